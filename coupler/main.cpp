@@ -65,9 +65,12 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
   std::string problem = error.what();
   if (const auto [word, meant] = mistaken_word(*command); !word.empty()) {
     const std::string what = word.starts_with("--") ? "option" : command == &app ? "command" : "kind of case";
-    put(stderr, to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what),
-                              meant.empty() ? name + " --help lists what there is"
-                                            : fmt::format("did you mean {}?  ({} --help)", meant, name))));
+    std::string fix = meant.empty() ? name + " --help lists what there is"
+                                    : fmt::format("did you mean {}?  ({} --help)", meant, name);
+    for (const char* ending : {".stl", ".msh", ".inp"})
+      if (name == "strake new" && word.ends_with(ending)) fix = "strake new mesh " + word;
+    put(stderr,
+        to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what), fix)));
     return ExitCode::command_line;
   }
   if (problem.ends_with('\n')) problem.pop_back();

@@ -74,8 +74,14 @@ Error all_of(const std::vector<Error>& errors) {
     }
   }
   std::string text;
-  for (auto block = blocks.begin(); block != blocks.end(); ++block)
-    if (std::find(blocks.begin(), block, *block) == block) text += (text.empty() ? "" : "\n") + *block;
+  // Two programs that read one key refuse it with the same words, and may differ in what mends it.
+  const auto problem_of = [](const std::string& block) { return block.substr(0, block.find("\n  fix: ")); };
+  std::vector<std::string> said;
+  for (const std::string& block : blocks) {
+    if (std::find(said.begin(), said.end(), problem_of(block)) != said.end()) continue;
+    said.push_back(problem_of(block));
+    text += (text.empty() ? "" : "\n") + block;
+  }
   return {ExitCode::case_file, "", text};
 }
 

@@ -1,11 +1,15 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/new_case/case_lines.hpp"
+#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/questions.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/number_text.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <unistd.h>
 
@@ -50,10 +54,14 @@ ExitCode new_case(NewOptions options) {
             .lexically_normal()
             .lexically_relative(std::filesystem::absolute(out).lexically_normal().parent_path())
             .string();
-  const NewScene scene = kind.scene(answers);
+  NewScene scene = kind.scene(answers);
+  if (scene.warning.empty()) scene.warning = long_lengths(kind, answers);
   write_whole(out, case_file_text(kind.name, scene));
-  put(stdout, fmt::format("wrote {}\n  next  strake check {}\n        strake run {}\n", out.string(),
-                          out.string(), out.string()));
+  if (!scene.warning.empty()) put(stderr, fmt::format("  warning  {}\n", visible(scene.warning)));
+  put(stdout, fmt::format("wrote {}\n  size  about {} particles; half the spacing, {:.3g} m: {}\n"
+                          "  next  strake check {}\n        strake run {}\n",
+                          out.string(), grouped(std::llround(particles_of(scene))), 0.5 * scene.spacing,
+                          cost_of_half(scene), out.string(), out.string()));
   return ExitCode::done;
 }
 

@@ -1,11 +1,11 @@
 #include "coupler/new_case/case_lines.hpp"
 
+#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/scenes.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdlib>
 
 namespace strake {
@@ -15,15 +15,7 @@ constexpr std::size_t comment_column = 40;
 constexpr double frames_of_run = 50;  // of a run
 
 std::string corners_text(const NewScene& s, double top, double right) {
-  const double back = s.dimension == 3 ? s.left + s.across : 0,
-               front = s.dimension == 3 ? s.right + s.across : 0;
-  return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, back), toml_vector(right, top, front));
-}
-
-/// The next larger number of two digits.
-double two_digits(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
-  return std::ceil(x / unit - 1e-9) * unit;
+  return fmt::format("[{}, {}]", toml_vector(s.left, s.bottom, s.back), toml_vector(right, top, s.front));
 }
 
 }  // namespace
@@ -78,12 +70,13 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
       .comment(
           "its spacings resolve; `strake run FILE` runs it. Units are SI. `strake explain KEY` explains a "
           "key.");
+  if (!s.warning.empty()) lines.comment("Warning: " + s.warning);
   lines.text("title", s.title, "headline of the run")
       .number("end_time", two_digits(s.end_time), "s, " + s.end_reason);
   lines.table("[fluid]")
       .key("dimension", fmt::format("{}", s.dimension),
            s.dimension == 2 ? "2: the plane, masses and forces are per metre of depth" : "3: space")
-      .number("spacing", s.spacing, "m, between particles; halve it to judge a result")
+      .number("spacing", s.spacing, "m, between particles; half of it, to judge a result: " + cost_of_half(s))
       .number("density", 1000, "kg/m^3, of the water")
       .number("kinematic_viscosity", 1e-6, "m^2/s, of the water")
       .key("gravity", "[0.0, -9.81, 0.0]", "m/s^2")
@@ -97,12 +90,9 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
   rest.table("[output]")
       .number("every", round_number(s.end_time / frames_of_run), "s, between frames of the fields");
   rest.table("[coupling.surface]");
-  if (s.window > 0)
-    rest.number("window", s.window, "s, between exchanges: nothing slams");
-  else
-    rest.comment(
-        "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
-        "and spacing");
+  rest.comment(
+      "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
+      "and spacing");
   return text + rest.str();
 }
 

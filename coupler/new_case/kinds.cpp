@@ -41,7 +41,7 @@ NewKind mesh_kind() {
           {speed(5),
            mass(),
            {"scale", "1", "factor on the lengths of the file: 0.001 for one in mm", 1, 1e-6, 1e6},
-           spacing("width/80, in space width/30")},
+           spacing("width/80, in space what gives 100 000 particles")},
           true,
           mesh_scene};
 }
@@ -118,7 +118,20 @@ const std::vector<NewKind>& new_kinds() {
 std::string out_of_bounds(const NewNumber& number, double value) {
   if (value >= number.min && value <= number.max) return {};
   if (!number.follows.empty() && value == 0) return {};
-  return fmt::format("expected {:g} to {:g} {}", number.min, number.max, number.unit);
+  return fmt::format("expected {:g} to {:g}{}", number.min, number.max,
+                     number.unit == "1" ? "" : " " + number.unit);
+}
+
+// 80 m: no ship is as wide, and no specimen. See size_warning for a body from a file.
+std::string long_lengths(const NewKind& kind, const NewAnswers& answers) {
+  constexpr double widest = 80;  // [m]
+  for (const NewNumber& number : kind.numbers)
+    if (const double x = answers.value(number.name);
+        number.unit == "m" && number.name != "spacing" && x > widest)
+      return fmt::format(
+          "{} is {:g} m, more than any ship is wide. Lengths are in m: --{} {:g} if it was meant in mm.",
+          number.name, x, number.name, 0.001 * x);
+  return {};
 }
 
 NewAnswers complete(const NewKind& kind, NewAnswers given, const std::string& command) {

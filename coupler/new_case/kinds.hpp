@@ -32,15 +32,15 @@ struct NewScene {
   std::string title, physics;  // headline of the run; what is computed, in a sentence
   int dimension = 2;
   double spacing = 0;                       // [m] l0
-  double left = 0, right = 0;               // [m] walls of the tank along x; in three dimensions also along z
-  double across = 0;                        // [m] middle of the tank along z, less that along x
+  double left = 0, right = 0;               // [m] walls of the tank along x
+  double back = 0, front = 0;               // [m] the same along z, in three dimensions
   double bottom = 0, surface = 0, top = 0;  // [m] of tank and water; the surface lies under the body
   bool submerged = false;                   // the body stands in the water at the start
   double water_right = 0;                   // [m] where the water ends along x
   double end_time = 0;                      // [s]
-  double window = 0;                        // [s] between exchanges; 0: Strake's choice
   std::string end_reason;                   // what has happened by then
   std::string body;                         // TOML of [structure] and its probes
+  std::string warning;                      // what to look at before a run; empty: nothing
 };
 
 /// A kind of case that `strake new` writes.
@@ -58,6 +58,8 @@ const std::vector<NewKind>& new_kinds();
 /// Completes the answers with defaults and refuses what lies outside the bounds; `command` is named in
 /// errors. Throws Error(command_line).
 NewAnswers complete(const NewKind&, NewAnswers given, const std::string& command);
+/// Warns of a length in m that was probably meant in mm; empty where there is none.
+std::string long_lengths(const NewKind&, const NewAnswers&);
 /// Says that a number is outside its bounds: "expected 1 to 85 deg"; empty where it is within.
 std::string out_of_bounds(const NewNumber&, double value);
 

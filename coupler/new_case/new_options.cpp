@@ -12,7 +12,7 @@ void add_new_options(CLI::App& command, NewOptions& options) {
     CLI::App* one = command.add_subcommand(kind.name, kind.help);
     one->add_option("-o", options.out, "the case file, default " + kind.name + ".toml")->type_name("FILE");
     if (kind.mesh)
-      one->add_option("--mesh", options.answers.mesh, "mesh file")->type_name("FILE")->required();
+      one->add_option("MESH,--mesh", options.answers.mesh, "mesh file")->type_name("FILE")->required();
     if (kind.solvers.size() > 1)
       one->add_option("--solver", options.answers.solver, "of the body, default " + kind.solvers.front())
           ->check(CLI::IsMember(kind.solvers))

@@ -2,7 +2,7 @@
 #include "coupler/new_case/scenes.hpp"
 
 #include "coupler/new_case/case_lines.hpp"
-#include "coupler/new_case/mesh_extent.hpp"
+#include "coupler/new_case/rigid_parts.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -12,12 +12,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
 
-// Air between body and water at the start [spacing]: no time is lost in free fall.
-constexpr double rigid_gap = 0.6;
-
-/// A tank around a body `width` wide: wide enough that its walls add some per cent to the force.
 void put_wide_tank(NewScene& s, double width, double depth, double above) {
   const double l0 = s.spacing;
   const auto whole = [l0](double length) { return l0 * std::ceil(length / l0 - 1e-9); };
@@ -27,7 +22,6 @@ void put_wide_tank(NewScene& s, double width, double depth, double above) {
   s.top = whole(above);
 }
 
-/// [structure] of a rigid body that moves down: driven, or free to heave with a mass.
 CaseLines rigid_body(const NewAnswers& answers, int dimension) {
   CaseLines lines;
   lines.table("[structure]")
@@ -45,14 +39,17 @@ std::string motion_words(const NewAnswers& answers) {
                   : fmt::format("driven into still water at {:g} m/s", speed);
 }
 
-}  // namespace
-
 double round_number(double x) {
   const double power = std::pow(10, std::floor(std::log10(x) + 1e-9));
   double best = power;
   for (const double digit : {2.0, 2.5, 4.0, 5.0})
     if (digit * power <= x * (1 + 1e-9)) best = digit * power;
   return best;
+}
+
+double two_digits(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / unit - 1e-9) * unit;
 }
 
 void check_height(double width, double height) {
@@ -65,13 +62,18 @@ void check_height(double width, double height) {
 }
 
 double chosen_spacing(const NewAnswers& answers, const std::string& name, double length, double parts) {
+  return chosen_spacing_or(round_number(length / parts), answers, name, length);
+}
+
+double chosen_spacing_or(double otherwise, const NewAnswers& answers, const std::string& name,
+                         double length) {
   const double given = answers.value("spacing");
-  if (given == 0) return round_number(length / parts);
+  if (given == 0) return otherwise;
   if (given > length / 10 || given < length / 1000)
     throw Error(ExitCode::command_line, fmt::format("--spacing {:g}", given),
                 fmt::format("expected {:g} to {:g} m: a thousandth to a tenth of the {}, {:g} m",
                             length / 1000, length / 10, name, length),
-                fmt::format("--spacing {:g}, or leave it out", round_number(length / parts)));
+                fmt::format("--spacing {:g}, or leave it out", otherwise));
   return given;
 }
 
@@ -111,6 +113,8 @@ NewScene round_scene(const NewAnswers& answers, const std::string& name, int dim
     put_wide_tank(s, 3 * radius, 4 * radius, 3 * radius);
   else
     put_wide_tank(s, 1.25 * radius, 1.25 * radius, 2.5 * radius);
+  s.back = s.left;
+  s.front = s.right;
   s.end_time = (gap + (dimension == 2 ? 0.5 : 0.2) * radius) / speed;
   s.end_reason = dimension == 2 ? "the body is half a radius deep" : "the body is a fifth of its radius deep";
   CaseLines lines = rigid_body(answers, dimension);
@@ -131,42 +135,6 @@ NewScene sphere_scene(const NewAnswers& answers) {
   return round_scene(answers, "sphere", 3, 10);
 }
 
-NewScene mesh_scene(const NewAnswers& answers) {
-  MeshExtent mesh = read_mesh_extent(answers.mesh);
-  const double scale = answers.value("scale");
-  for (double& x : mesh.min) x *= scale;
-  for (double& x : mesh.max) x *= scale;
-  const double width = std::max(mesh.max[0] - mesh.min[0], mesh.max[2] - mesh.min[2]);
-  const double height = mesh.max[1] - mesh.min[1], speed = answers.value("speed");
-  NewScene s;
-  s.dimension = mesh.max[2] - mesh.min[2] > 1e-6 * width ? 3 : 2;
-  s.title = answers.mesh.stem().string() + " entry";
-  s.physics =
-      fmt::format("Rigid body of {}, {:.3g} m wide, {:.3g} m high, {}, {}-D.",
-                  answers.mesh.filename().string(), width, height, motion_words(answers), s.dimension);
-  s.spacing = chosen_spacing(answers, "body's width", width, s.dimension == 2 ? 80 : 30);
-  put_wide_tank(s, width, width, height + 0.5 * width);
-  const double gap = rigid_gap * s.spacing;
-  const auto middle_along = [&](std::size_t axis) {
-    return s.spacing * std::round(0.5 * (mesh.min[axis] + mesh.max[axis]) / s.spacing);
-  };
-  const double middle = middle_along(0);
-  if (s.dimension == 3) s.across = middle_along(2) - middle;
-  // The mesh keeps its place; tank and water are put around it.
-  s.left += middle;
-  s.right = s.water_right = s.right + middle;
-  s.surface = mesh.min[1] - gap;
-  s.bottom += s.surface;
-  s.top += s.surface;
-  s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
-  s.end_reason = "the body is deep in the water";
-  CaseLines lines = rigid_body(answers, s.dimension);
-  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
-  lines.number("placed.scale", scale, "factor on its lengths: 1 in m, 0.001 in mm");
-  s.body = lines.str();
-  return s;
-}
-
 // The box floats with half its height in the water: m = ρ w²/2. It begins w/20 higher. Its heave, with an
 // added mass of about half its own and the springs' part left out, has the period 2π √(1.5 m/(ρ g w)).
 NewScene moored_scene(const NewAnswers& answers) {
@@ -183,7 +151,6 @@ NewScene moored_scene(const NewAnswers& answers) {
   const double bottom = raised - s.spacing * std::round(0.5 * width / s.spacing);
   s.end_time = 4 * std::numbers::pi * std::sqrt(0.75 * width / gravity);
   s.end_reason = "about two periods of its heave";
-  s.window = round_number(s.end_time / 5000);
   CaseLines lines;
   lines.table("[structure]")
       .text("solver", "rigid", "rigid | replay | none, or the path of a program")

@@ -20,8 +20,12 @@ NewScene dam_scene(const NewAnswers&);
 void check_height(double width, double height);
 /// The next smaller one of 1, 2, 2.5, 4 or 5 times a power of ten.
 double round_number(double);
+/// The next larger number of two digits.
+double two_digits(double);
 /// The given spacing, else length/parts rounded. Refuses one of more than a tenth or less than a thousandth
 /// of `length`, which `name` calls.
 double chosen_spacing(const NewAnswers&, const std::string& name, double length, double parts);
+/// The same with a default that is known already [m].
+double chosen_spacing_or(double otherwise, const NewAnswers&, const std::string& name, double length);
 
 }  // namespace strake

@@ -166,12 +166,43 @@ void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::stri
         fmt::format("fluid.scheme.time_step = {:.3g} is {} what Strake would take, some {:.1g} s: the run "
                     "takes about {:.0f} times as long",
                     given, times(ratio), pace.chosen_step, 1 / ratio));
-  if (const double ratio = pace.step / sound_step; pace.chosen_step <= sound_step && is_far_off(ratio))
+  if (const double ratio = pace.step / sound_step;
+      pace.chosen_step <= sound_step && ratio > 1 && is_far_off(ratio))
     lines.push_back(
         fmt::format("steps of {:.3g} s are {} what Strake would take, {:.1g} s: the first pressure of a "
                     "level face, rho c "
                     "V, is not resolved",
                     pace.step, times(ratio), sound_step));
+}
+
+/// Values that another unit or another sign explains: g/cm³, GPa, mm/s.
+void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
+  constexpr double fastest = 300;  // [m/s] a fifth of the speed of sound in water
+  if (const double speed = view.common.chosen.speed; speed > fastest)
+    lines.push_back(
+        fmt::format("a speed of {:.3g} m/s: above {:g} m/s water is not nearly incompressible. Lengths are "
+                    "in m, speeds in m/s",
+                    speed, fastest));
+  if (const auto gravity = numbers_in(at_or(view.value, "fluid.gravity"));
+      gravity.size() > 1 && gravity[1] > 0)
+    lines.push_back(
+        fmt::format("fluid.gravity points up, {:.3g} m/s^2 along y: the water leaves the tank, which is "
+                    "open above; [0, -9.81] points down",
+                    gravity[1]));
+  constexpr double water = 1000;  // [kg/m³]
+  if (const double ratio = view.number("fluid.density").value_or(water) / water; is_far_off(ratio))
+    lines.push_back(
+        fmt::format("fluid.density = {:.3g} is {} that of water, 1000 kg/m^3", ratio * water, times(ratio)));
+  if (!view.any_deforms()) return;
+  constexpr double softest = 1e4, lightest = 20;  // [Pa] of a gel, [kg/m³] of a foam
+  const double young = view.number("structure.material.young").value_or(infinite),
+               density = view.number("structure.material.density").value_or(infinite);
+  if (young < softest)
+    lines.push_back(
+        fmt::format("structure.material.young = {:.3g} Pa is softer than a gel; 210 GPa are 2.1e11", young));
+  if (density < lightest)
+    lines.push_back(fmt::format(
+        "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));
 }
 
 }  // namespace
@@ -181,6 +212,7 @@ std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   const auto pace = pace_of(view);
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
+  look_at_units(view, lines);
   constexpr double usual = 40;  // spacings across a body
   const double l0 = view.number("fluid.spacing").value_or(0);
   if (const double ratio = extent > 0 ? l0 / (extent / usual) : 1; is_far_off(ratio))

@@ -53,7 +53,9 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& b
                                     double level) {
   if (body.position.cols() == 0 || velocity.cols() != body.position.cols()) return std::nullopt;
   const double lowest = body.position.row(1).minCoeff(), speed = -velocity.row(1).minCoeff();
-  if (!(speed > 0) || lowest < level - 1e-9) return std::nullopt;
+  if (lowest < level - 1e-9) return std::nullopt;
+  if (speed < 0 && !view.moves_freely()) return Wetted{};  // driven upwards
+  if (!(speed > 0)) return std::nullopt;
   const double depth = speed * view.common.end_time - (lowest - level);
   if (!(depth > 0)) return Wetted{};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
@@ -118,23 +120,29 @@ std::vector<std::string> sensor_lines(const CaseView& view, const InterfaceMesh&
   return lines;
 }
 
-}  // namespace
-
-double half_width_below(const InterfaceMesh& body, double y) {
+/// Half the width along an axis of what a level water surface at height y would wet [m].
+double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto take = [&](double x) {
     low = std::min(low, x);
     high = std::max(high, x);
   };
   for (Eigen::Index k = 0; k < body.position.cols(); ++k)
-    if (body.position(1, k) <= y) take(body.position(0, k));
+    if (body.position(1, k) <= y) take(body.position(axis, k));
   for (Eigen::Index f = 0; f < body.faces.cols(); ++f)
     for (Eigen::Index k = 0; k < body.faces.rows(); ++k) {
       const Eigen::Vector3d a = body.position.col(body.faces(k, f)),
                             b = body.position.col(body.faces((k + 1) % body.faces.rows(), f));
-      if ((a.y() <= y) != (b.y() <= y)) take(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+      if ((a.y() <= y) != (b.y() <= y)) take(a[axis] + (y - a.y()) / (b.y() - a.y()) * (b[axis] - a[axis]));
     }
   return high > low ? 0.5 * (high - low) : 0;
+}
+
+}  // namespace
+
+double half_width_below(const InterfaceMesh& body, double y) {
+  const double along_x = half_width_along(body, y, 0);
+  return body.dimension == 3 ? std::min(along_x, half_width_along(body, y, 2)) : along_x;
 }
 
 double jet_thickness(double c, double slope) {

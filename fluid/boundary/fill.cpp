@@ -70,6 +70,11 @@ std::optional<BoxFault> water_fault(const std::vector<Eigen::Vector3d>& shape, c
     if (shape.size() == 2)
       for (const double edge : {water.min[d], water.max[d]})
         if (auto fault = off_lattice(key, edge, tank.min[d], d, l0)) return fault;
+    if (!(water.max[d] > water.min[d]))
+      return BoxFault{key,
+                      fmt::format("water with a length along {}: fluid.dimension is {}", name, p.dimension),
+                      p.dimension == 3 ? "corners with three numbers that differ, or fluid.dimension = 2"
+                                       : "corners that differ"};
     if (const long rows = std::lround((water.max[d] - water.min[d]) / l0); rows < fewest_rows)
       return BoxFault{
           "spacing",

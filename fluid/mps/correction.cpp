@@ -12,6 +12,7 @@ template <int dim>
 void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                   const LatticeConstants& lattice, const Masks& masks, Vectors<dim>& gradient) {
   const std::int64_t water = boundary.water();
+  const auto seams = near.seams<dim>();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
     if (!masks.row.empty() && masks.row[static_cast<std::size_t>(i)] == 0) continue;
@@ -25,7 +26,7 @@ void smooth_walls(const State<dim>& state, const Boundary<dim>& boundary, const 
       const Vector<dim> normal = boundary.normal_of(j);
       if (w <= 0 || normal.squaredNorm() == 0) continue;
       if (!masks.column.empty() && masks.column[static_cast<std::size_t>(j)] == 0) continue;
-      const Vector<dim> r = state.position.col(j) - state.position.col(i);
+      const Vector<dim> r = seams.separation(state.position.col(i), state.position.col(j));
       along += (state.pressure[i] + state.pressure[j]) * w * inverses[e - 1] * inverses[e - 1] *
                (r - r.dot(normal) * normal);
     }
@@ -57,6 +58,7 @@ template <int dim>
 void level_faces(const State<dim>& state, const Boundary<dim>& boundary, const Neighbours& near,
                  const LatticeConstants& lattice, const Masks& masks, const Eigen::VectorXd& level,
                  Vectors<dim>& gradient) {
+  const auto seams = near.seams<dim>();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < level.size(); ++i) {
     if (level[i] == 1 || (!masks.row.empty() && masks.row[static_cast<std::size_t>(i)] == 0)) continue;
@@ -68,7 +70,7 @@ void level_faces(const State<dim>& state, const Boundary<dim>& boundary, const N
       const double w = lattice.radius * inverses[e - 1] - 1;
       if (w <= 0 || (!masks.column.empty() && masks.column[static_cast<std::size_t>(j)] == 0)) continue;
       sum += (state.pressure[i] + state.pressure[j]) * w * inverses[e - 1] * inverses[e - 1] *
-             (state.position.col(j) - state.position.col(i));
+             seams.separation(state.position.col(i), state.position.col(j));
     }
     gradient.col(i) += (level[i] - 1) * dim / lattice.n0 * sum;
   }
@@ -82,6 +84,7 @@ Eigen::VectorXd face_level(const State<dim>& state, const Boundary<dim>& boundar
   Eigen::VectorXd level = Eigen::VectorXd::Ones(boundary.water());
   if constexpr (dim == 2) {
     if (boundary.body_surface().empty()) return level;
+    const auto seams = near.seams<dim>();
     const double full = half_lattice_sum<dim>(lattice, spacing);
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < level.size(); ++i) {
@@ -93,8 +96,8 @@ Eigen::VectorXd face_level(const State<dim>& state, const Boundary<dim>& boundar
       for (std::size_t e = 0; e < columns.size(); ++e) {
         const double w = lattice.radius * inverses[e] - 1;
         if (w <= 0) continue;
-        const double share =
-            w * inverses[e] * inverses[e] * (state.position.col(columns[e]) - state.position.col(i)).dot(n);
+        const double share = w * inverses[e] * inverses[e] *
+                             seams.separation(state.position.col(i), state.position.col(columns[e])).dot(n);
         if (columns[e] >= boundary.first_of_bodies())
           body -= share;
         else
@@ -135,6 +138,7 @@ void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Nei
                      double spacing) {
   if (strength <= 0) return;
   const std::int64_t water = boundary.water();
+  const auto seams = near.seams<dim>();
   Vectors<dim> concentration = Vectors<dim>::Zero(dim, water);  // ∇C [1/m]
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
@@ -144,7 +148,8 @@ void shift_particles(State<dim>& state, const Boundary<dim>& boundary, const Nei
     for (std::size_t e = 0; e < columns.size(); ++e) {
       const double w = lattice.radius * inverses[e] - 1;
       if (w > 0)
-        sum += w * inverses[e] * inverses[e] * (state.position.col(columns[e]) - state.position.col(i));
+        sum += w * inverses[e] * inverses[e] *
+               seams.separation(state.position.col(i), state.position.col(columns[e]));
     }
     concentration.col(i) = dim / lattice.n0 * sum;
   }

@@ -16,6 +16,7 @@ Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary
                           std::int64_t j) {
   const auto columns = near.row(j);
   const auto inverses = near.inverses(j);
+  const auto seams = near.seams<dim>();
   const bool levelled = level && level->size() > 0 && j >= boundary.first_of_bodies();
   Vector<dim> sum = Vector<dim>::Zero();
   for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
@@ -23,7 +24,7 @@ Vector<dim> pair_reaction(const State<dim>& state, const Boundary<dim>& boundary
     if (w <= 0) continue;
     const double factor = levelled ? (*level)[columns[e]] : 1.0;
     sum += factor * (state.pressure[j] + state.pressure[columns[e]]) * w * inverses[e] * inverses[e] *
-           (state.position.col(columns[e]) - state.position.col(j));
+           seams.separation(state.position.col(j), state.position.col(columns[e]));
   }
   const Vector<dim> normal = boundary.normal_of(j);
   if (normal.squaredNorm() > 0) sum = normal * normal.dot(sum);  // smooth walls, see pressure_gradient

@@ -18,6 +18,7 @@ Vectors<dim> filter_lattice(const FilterTerms<dim>& t) {
   const Masks among{is_water, is_water};
   const auto correction = gradient_correction<dim>(t.position, t.near, t.lattice, among);
   const auto explained = velocity_gradient<dim>(t.position, t.velocity, t.near, t.lattice, correction, among);
+  const auto seams = t.near.template seams<dim>();
   const double factor = 2.0 * dim / (t.lattice.n0 * t.lattice.lambda0) * t.dt;
   constexpr double most_of_a_step = 0.2;
   const double bound = most_of_a_step / (factor * t.lattice.n0);
@@ -32,7 +33,7 @@ Vectors<dim> filter_lattice(const FilterTerms<dim>& t) {
       if (w <= 0) continue;
       const double pressure = std::max(0.0, 0.5 * (t.pressure[i] + t.pressure[j]));
       const double viscosity = std::min(t.strength * t.spacing * std::sqrt(pressure / t.density), bound);
-      const Vector<dim> r = t.position.col(j) - t.position.col(i);
+      const Vector<dim> r = seams.separation(t.position.col(i), t.position.col(j));
       const Tensor<dim> mean =
           0.5 * (explained[static_cast<std::size_t>(i)] + explained[static_cast<std::size_t>(j)]);
       sum += viscosity * w * (t.velocity.col(j) - t.velocity.col(i) - mean * r);

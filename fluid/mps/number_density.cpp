@@ -50,9 +50,10 @@ bool uncovered(const Vectors<dim>& position, const Neighbours& rows, Eigen::Inde
   std::array<std::uint8_t, n> covered{};
   const auto row = rows.row(i);
   const auto distance = rows.distances(i);
+  const auto seams = rows.seams<dim>();
   for (size_t k = 0; k < row.size(); ++k) {
     if (distance[k] >= 2 * radius) continue;
-    const Vector<dim> r = position.col(row[k]) - position.col(i);
+    const Vector<dim> r = seams.separation(position.col(i), position.col(row[k]));
     const double threshold = distance[k] * distance[k] / (2 * radius);
     for (size_t s = 0; s < n; ++s) {
       double along = 0;

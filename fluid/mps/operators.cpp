@@ -46,9 +46,10 @@ template <int dim, class Value>
 inline Vector<dim> gradient_sum(const Vectors<dim>& position, const Neighbours& rows, const Masks& masks,
                                 std::int64_t i, double radius, Value&& value) {
   const Vector<dim> at = position.col(i);
+  const auto seams = rows.seams<dim>();
   Vector<dim> sum = Vector<dim>::Zero();
   for_each_pair(rows, masks, i, radius, [&](std::int32_t j, double w, double inverse) {
-    sum += (value(j) * w * inverse * inverse) * (position.col(j) - at);
+    sum += (value(j) * w * inverse * inverse) * seams.separation(at, position.col(j));
   });
   return sum;
 }
@@ -102,11 +103,12 @@ template <int dim>
 std::vector<Tensor<dim>> gradient_correction(const Vectors<dim>& position, const Neighbours& rows,
                                              const LatticeConstants& lattice, const Masks& masks) {
   std::vector<Tensor<dim>> correction(static_cast<size_t>(rows.size()), Tensor<dim>::Identity());
+  const auto seams = rows.seams<dim>();
   for_each_row(rows, masks, [&](std::int64_t i) {
     const Vector<dim> at = position.col(i);
     Tensor<dim> moment = Tensor<dim>::Zero();
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
-      const Vector<dim> r = position.col(j) - at;
+      const Vector<dim> r = seams.separation(at, position.col(j));
       const Vector<dim> scaled = (w * inverse * inverse) * r;
       for (int m = 0; m < dim; ++m) moment.col(m) += r[m] * scaled;
     });
@@ -125,11 +127,12 @@ template <int dim>
 Eigen::VectorXd divergence(const Vectors<dim>& position, const Vectors<dim>& velocity, const Neighbours& rows,
                            const LatticeConstants& lattice, const Masks& masks) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(rows.size());
+  const auto seams = rows.seams<dim>();
   for_each_row(rows, masks, [&](std::int64_t i) {
     const Vector<dim> at = position.col(i), moves = velocity.col(i);
     double sum = 0;
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
-      sum += (velocity.col(j) - moves).dot(position.col(j) - at) * (w * inverse * inverse);
+      sum += (velocity.col(j) - moves).dot(seams.separation(at, position.col(j))) * (w * inverse * inverse);
     });
     result[i] = dim / lattice.n0 * sum;
   });
@@ -142,11 +145,13 @@ std::vector<Tensor<dim>> velocity_gradient(const Vectors<dim>& position, const V
                                            std::span<const Tensor<dim>> correction, const Masks& masks) {
   assert(correction.empty() || correction.size() == static_cast<size_t>(rows.size()));
   std::vector<Tensor<dim>> gradient(static_cast<size_t>(rows.size()), Tensor<dim>::Zero());
+  const auto seams = rows.seams<dim>();
   for_each_row(rows, masks, [&](std::int64_t i) {
     const Vector<dim> at = position.col(i), moves = velocity.col(i);
     Tensor<dim> sum = Tensor<dim>::Zero();
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
-      const Vector<dim> u = velocity.col(j) - moves, r = (w * inverse * inverse) * (position.col(j) - at);
+      const Vector<dim> u = velocity.col(j) - moves,
+                        r = (w * inverse * inverse) * seams.separation(at, position.col(j));
       for (int m = 0; m < dim; ++m) sum.col(m) += r[m] * u;
     });
     sum *= dim / lattice.n0;
@@ -190,12 +195,14 @@ Vectors<dim> stress_divergence(const Vectors<dim>& position, std::span<const Ten
                                const Neighbours& rows, const LatticeConstants& lattice, const Masks& masks) {
   assert(tau.size() == static_cast<size_t>(rows.size()));
   Vectors<dim> result = Vectors<dim>::Zero(dim, rows.size());
+  const auto seams = rows.seams<dim>();
   for_each_row(rows, masks, [&](std::int64_t i) {
     const Vector<dim> at = position.col(i);
     const Tensor<dim>& own = tau[static_cast<size_t>(i)];
     Vector<dim> sum = Vector<dim>::Zero();
     for_each_pair(rows, masks, i, lattice.radius, [&](std::int32_t j, double w, double inverse) {
-      sum += (own + tau[static_cast<size_t>(j)]) * ((w * inverse * inverse) * (position.col(j) - at));
+      sum += (own + tau[static_cast<size_t>(j)]) *
+             ((w * inverse * inverse) * seams.separation(at, position.col(j)));
     });
     result.col(i) = dim / lattice.n0 * sum;
   });

@@ -84,6 +84,7 @@ NeighbourSearch<dim>::NeighbourSearch(double radius, double skin, const Periodic
   assert(radius > 0 && skin >= 0);
   exact_.scale_ = 1 / radius;
   exact_.data_ = data;
+  exact_.period_.head<dim>() = periodic.length();
   for (int d = 0; d < dim; ++d)
     if (const double length = periodic.length()[d], least = 2 * (radius + skin);
         length > 0 && !(length >= least))
@@ -343,6 +344,7 @@ void NeighbourSearch<dim>::gather_part(Part& part) const {
   const auto n = exact_.size();
   [[maybe_unused]] const auto scale = static_cast<float>(exact_.scale_);
   rows.data_ = single ? PairData::single_inverses : PairData::inverses;
+  rows.period_ = exact_.period_;
   rows.start_.resize(static_cast<size_t>(n) + 1);
   rows.start_[0] = 0;
   const auto chosen = [&](std::int64_t from, std::int64_t last) {

@@ -75,6 +75,11 @@ class Neighbours {
   }
   std::int64_t size() const { return static_cast<std::int64_t>(start_.size()) - 1; }
   std::size_t bytes() const;
+  /// Returns the directions in which the space of these pairs repeats itself. r_ij is `seams().separation`.
+  template <int dim>
+  Periodic<dim> seams() const {
+    return Periodic<dim>(period_.head<dim>());
+  }
 
  private:
   template <int dim>
@@ -90,6 +95,7 @@ class Neighbours {
   std::vector<float> single_;
   PairData data_ = PairData::inverses;
   double scale_ = 1;
+  Eigen::Vector3d period_ = Eigen::Vector3d::Zero();  // [m]; 0: not periodic
 };
 
 /// Whether a pair counts; symmetric in i and j. It is called at each update, at the new positions, for pairs

@@ -75,6 +75,27 @@ void make_absolute(toml::table& table, const std::filesystem::path& folder) {
     replace(command->get(0), true);
 }
 
+/// Replaces the texts of a user's program that name files beside the case. These are texts with a point or a
+/// slash for which there is a file. Where there is none, only the program knows what the text is.
+void make_files_absolute(toml::node& node, const std::filesystem::path& folder) {
+  if (toml::table* table = node.as_table())
+    for (auto&& [key, below] : *table) make_files_absolute(below, folder);
+  if (toml::array* array = node.as_array())
+    for (toml::node& below : *array) make_files_absolute(below, folder);
+  toml::value<std::string>* text = node.as_string();
+  if (text == nullptr || text->get().find_first_of("./") == std::string::npos) return;
+  std::error_code none;
+  if (const std::filesystem::path file = folder / text->get(); std::filesystem::is_regular_file(file, none))
+    *text = file.lexically_normal().string();
+}
+
+/// The same in its table. A command line is relative to the folder where the program is started.
+void make_own_files_absolute(toml::table& table, const std::filesystem::path& folder) {
+  for (auto&& [key, below] : table)
+    if (key != "solver" && key != "arguments" && key != "precice" && key != "precice_names")
+      make_files_absolute(below, folder);
+}
+
 }  // namespace
 
 std::string CaseFile::echo(const std::string& prefix) const {
@@ -100,6 +121,7 @@ std::string CaseFile::as_given(const std::string& table, const std::string& solv
   toml::table copy = given ? *given : toml::table();
   copy.insert_or_assign("solver", solver);
   make_absolute(copy, document_->folder());
+  make_own_files_absolute(copy, document_->folder());
   if (toml::table* precice = copy["precice"].as_table()) make_absolute(*precice, document_->folder());
   const toml::table whole{{table, copy}};
   std::ostringstream text;

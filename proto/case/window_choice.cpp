@@ -73,20 +73,39 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   return !file.is_true("fluid.submerged") && may_move(file, keys);
 }
 
-/// Depth of the water [m]: the difference of the two corners' heights, or of the tank's; 0 if unknown.
+/// Height of a box that a key gives by two corners [m]; 0 if unknown.
+double height_of(const CaseFile& file, const std::string& path) {
+  const std::vector<double> corners = file.numbers_at(path);
+  if (corners.size() != 4 && corners.size() != 6) return 0;
+  return std::max(0.0, corners[corners.size() / 2 + 1] - corners[1]);
+}
+
+/// Depth of the water [m]: the height of `fluid.water`, or of the tank; 0 if unknown.
 double depth_of(const CaseFile& file) {
-  for (const char* path : {"fluid.water", "fluid.tank"}) {
-    const std::vector<double> corners = file.numbers_at(path);
-    if (corners.size() == 4 || corners.size() == 6)
-      return std::max(0.0, corners[corners.size() / 2 + 1] - corners[1]);
+  const double water = height_of(file, "fluid.water");
+  return water > 0 ? water : height_of(file, "fluid.tank");
+}
+
+/// Largest speed of a free body whose speed at t = 0 is given [m/s]:
+///   v + g end_time,   and at most   max(v, √(g H)) in the water,   √(v² + 2 g H_tank) above it.
+///
+/// A body that stands in the water at the start is carried by it and does not fall: it heaves with the
+/// waves. One above the water falls from the tank's top to its floor at most.
+double speed_of_free_body(const CaseFile& file, double end_time, double speed, double g) {
+  const double fall = speed + g * end_time;
+  if (file.is_true("fluid.submerged")) {
+    const double depth = depth_of(file);
+    return depth > 0 ? std::min(fall, std::max(speed, std::sqrt(g * depth))) : fall;
   }
-  return 0;
+  const double height = height_of(file, "fluid.tank");
+  return height > 0 ? std::min(fall, std::sqrt(speed * speed + 2 * g * height)) : fall;
 }
 
 /// Speed of the body or of waves in the water [m/s].
 double speed_of(const CaseFile& file, const CommonKeys& keys, double g) {
-  double speed = norm_of(file, "structure.velocity", 0);
-  if (falls_free(file)) speed += g * keys.end_time;
+  double speed =
+      std::max(norm_of(file, "structure.velocity", 0), norm_of(file, "structure.initial_velocity.value", 0));
+  if (falls_free(file)) speed = speed_of_free_body(file, keys.end_time, speed, g);
   if (is_elastic(keys) || is_driven(file) || speed == 0)
     speed = std::max(speed, std::sqrt(g * depth_of(file)));
   return speed;

@@ -30,9 +30,12 @@ struct WindowChoice {
 ///   end_time / 100              rows of the history
 ///   output.every                if it is given
 ///
-/// rounded down to 1, 2, 2.5, 4 or 5 times a power of ten. U is the largest of the body's speed at t = 0 (and
-/// g end_time beside it where the body falls free) and, for elastic or driven bodies, √(g H). Water alone has
-/// no exchange; it takes end_time / 400. A given fluid.scheme.time_step is never longer than the window.
+/// rounded down to 1, 2, 2.5, 4 or 5 times a power of ten. U is the largest of the body's speed at t = 0, of
+/// that of a free body later, and, for elastic or driven bodies, of √(g H). A free body above the water gains
+/// g end_time, at most as much as a fall from the tank's top to its floor gives. One that stands in the water
+/// at the start (fluid.submerged) moves with the waves, U = √(g H) at most, or the speed that it was given.
+/// Water alone has no exchange; it takes end_time / 400. A given fluid.scheme.time_step is never longer than
+/// the window.
 WindowChoice choose_window(const CaseFile&, const CommonKeys& keys);
 
 /// Rounds down to 1, 2, 2.5, 4 or 5 times a power of ten that divides `whole`. Where none of the next few

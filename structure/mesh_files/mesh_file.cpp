@@ -3,6 +3,7 @@
 #include "proto/error.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 #include "structure/mesh_files/cut_cells.hpp"
+#include "structure/mesh_files/overlaps.hpp"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -76,6 +77,7 @@ class MeshReader {
                               dimension_ == 2 ? "triangles or quadrilaterals" : "tetrahedra or hexahedra"),
                   dimension_ == 2 ? "gmsh -2; save all physical groups" : "gmsh -3; or fluid.dimension = 2");
     add_cells(material);
+    refuse_overlaps();
     find_facets(solid_);
     name_faces();
     return std::move(solid_);
@@ -127,6 +129,27 @@ class MeshReader {
       if (fresh) solid_.parts.push_back({name, material, false});
       solid_.part_of.push_back(found->second);
     }
+  }
+
+  /// Cells over one another have their mass and their stiffness twice.
+  void refuse_overlaps() const {
+    const CellOverlaps overlaps = find_overlaps(solid_);
+    if (overlaps.cells == 0) return;
+    const auto element = [&](int cell) { return cells_[static_cast<std::size_t>(cell)]; };
+    const auto *one = element(overlaps.first.first), *other = element(overlaps.first.second);
+    const Vector3d& X = overlaps.place;
+    const std::string more =
+        overlaps.cells > 2 ? fmt::format("; cells with their middle in another: {}", overlaps.cells) : "";
+    throw wrong(
+        other->line,
+        one->number == other->number
+            ? fmt::format("element {} is there twice, at ({:.6g}, {:.6g}, {:.6g}) in the file's unit{}",
+                          one->number, X.x(), X.y(), X.z(), more)
+            : fmt::format("element {} lies over element {} (line {}), at ({:.6g}, {:.6g}, {:.6g}) in "
+                          "the file's unit{}",
+                          other->number, one->number, one->line, X.x(), X.y(), X.z(), more),
+        "mesh each part once, cut parts where they overlap (Gmsh: BooleanFragments, then Coherence), "
+        "and give each cell one physical group");
   }
 
   void name_faces() {

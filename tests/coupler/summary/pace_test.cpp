@@ -87,6 +87,27 @@ TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
   EXPECT_TRUE(far_off_lines(view, 0.5).empty());
 }
 
+TEST(Pace, ValuesInAnotherUnitAreSaid) {
+  CaseView view = wedge();
+  view.value["fluid.gravity"] = "[0, 9.81, 0]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity points up"));
+  view = wedge();
+  view.value["fluid.density"] = "1";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.density = 1 is 1/1000 of that of water"));
+  view = wedge();
+  view.common.window = view.common.chosen.window = 1e-7;
+  view.common.chosen.speed = 5000;
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "a speed of 5e+03 m/s"));
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "first pressure of a level face")) << "its steps are short";
+  view = wedge();
+  view.value["structure.material.young"] = "210";
+  view.value["structure.material.density"] = "7.8";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "a rigid body";
+  view.structures.front().solver = "fem";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "softer than a gel"));
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "lighter than foam"));
+}
+
 TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {
   CaseView view = wedge();
   view.common.window = 1e-4;

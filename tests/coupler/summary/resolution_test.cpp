@@ -50,6 +50,29 @@ TEST(Resolution, CountsSpacingsOnTheHalfWidthThatIsWetAtTheEnd) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.02, 0.012), wedge.mesh, wedge.velocity), "too few"));
 }
 
+TEST(Resolution, TheNarrowerWidthOfABodyInSpaceCounts) {
+  InterfaceMesh strip;  // 2 m along x, 0.4 m along z
+  strip.dimension = 3;
+  strip.position.resize(3, 4);
+  strip.position << -1, 1, 1, -1, 0, 0, 0, 0, -0.2, -0.2, 0.2, 0.2;
+  strip.faces.resize(3, 2);
+  strip.faces << 0, 0, 1, 2, 2, 3;
+  EXPECT_NEAR(half_width_below(strip, 0.01), 0.2, 1e-12);
+  strip.dimension = 2;
+  EXPECT_NEAR(half_width_below(strip, 0.01), 1, 1e-12);
+}
+
+TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
+  Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  const std::string words = "does not reach the water";
+  EXPECT_FALSE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity), words));
+  wedge.velocity.row(1).setConstant(6);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity), words));
+  CaseView thrown = case_with(0.005, 0.012);
+  thrown.value["structure.free.y"] = "true";
+  EXPECT_FALSE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity), words));
+}
+
 TEST(Resolution, CountsSpacingsThroughTheJet) {
   const Wedge wedge(0.25, std::tan(std::numbers::pi / 12));
   // 15 degrees, V t = 0.036 m at 0.006 s: c = (π/2) 0.036 / tan 15° = 0.211 m, δ = c tan² 15° / 2π = 2.41 mm.

@@ -51,6 +51,10 @@ void expect_error(const std::string& keys, const std::string& part, const std::s
   }
 }
 
+TEST(TankKeys, a_case_of_the_plane_has_no_water_in_space) {
+  expect_error(box + "dimension = 3\n", "water with a length along z: fluid.dimension is 3");
+}
+
 TEST(TankKeys, a_box_is_open_smooth_and_at_rest_unless_told_otherwise) {
   const auto p = read_with(box);
   EXPECT_TRUE(p.open_top);

@@ -168,5 +168,58 @@ TEST(Operators, results_do_not_depend_on_the_number_of_threads) {
   EXPECT_TRUE(one == two);
 }
 
+/// Water whose space repeats itself along x with the block's length; its fields depend on y alone.
+struct Seam {
+  int n = 15;
+  Vectors<2> position = block<2>(n, l0, 0);
+  NeighbourSearch<2> search{3.1 * l0, 0, Periodic<2>({n * l0, 0})};
+  LatticeConstants lattice = lattice_constants<2>(2.1, l0);
+  const Neighbours& rows;
+  Seam() : rows((search.update(position), search.within(lattice.radius))) {}
+  /// Largest difference of a value between a particle beside the seam and that in the middle of its row.
+  template <class Value>
+  double apart(Value&& value) const {
+    const double left = position.row(0).minCoeff(), right = position.row(0).maxCoeff();
+    double most = 0;
+    for (Eigen::Index i = 0; i < position.cols(); ++i) {
+      if (position(0, i) > left + 0.1 * l0 && position(0, i) < right - 0.1 * l0) continue;
+      for (Eigen::Index j = 0; j < position.cols(); ++j)
+        if (std::abs(position(1, j) - position(1, i)) < 0.1 * l0 &&
+            std::abs(position(0, j) - 0.5 * (left + right)) < 0.1 * l0)
+          most = std::max(most, (value(i) - value(j)).norm());
+    }
+    return most;
+  }
+};
+
+TEST(Operators, a_seam_of_periodic_water_is_as_its_middle) {
+  const Seam water;
+  const Eigen::VectorXd phi = 1000 * water.position.row(1).transpose().array().square();
+  Vectors<2> u = Vectors<2>::Zero(2, phi.size());
+  u.row(0) = phi.transpose();
+  u.row(1) = 2 * phi.transpose();
+  const auto correction = gradient_correction<2>(water.position, water.rows, water.lattice);
+  const auto tensors = velocity_gradient<2>(water.position, u, water.rows, water.lattice, correction);
+  const Eigen::VectorXd div = divergence<2>(water.position, u, water.rows, water.lattice);
+  const auto column = [](const Vectors<2>& all) {
+    return [all](Eigen::Index i) { return all.col(i).eval(); };
+  };
+  const auto tensor = [](const std::vector<Tensor<2>>& all) {
+    return [all](Eigen::Index i) { return all[static_cast<std::size_t>(i)]; };
+  };
+  EXPECT_GT(div.norm(), 1);
+  EXPECT_LT(water.apart([&](Eigen::Index i) { return Vector<2>(div[i], 0); }), 1e-9);
+  EXPECT_LT(water.apart(tensor(correction)), 1e-9);
+  EXPECT_LT(water.apart(tensor(tensors)), 1e-9);
+  EXPECT_LT(water.apart(column(gradient_min_pressure<2>(water.position, phi, water.rows, water.lattice))),
+            1e-9);
+  EXPECT_LT(water.apart(column(gradient_pairwise<2>(water.position, phi, water.rows, water.lattice))), 1e-9);
+  EXPECT_LT(
+      water.apart(column(gradient_corrected<2>(water.position, phi, water.rows, water.lattice, correction))),
+      1e-9);
+  EXPECT_LT(water.apart(column(stress_divergence<2>(water.position, tensors, water.rows, water.lattice))),
+            1e-7);
+}
+
 }  // namespace
 }  // namespace strake::fluid

@@ -166,5 +166,33 @@ config = "/etc/precice.xml"
     EXPECT_NE(given.find(line), std::string::npos) << line << "\n" << given;
 }
 
+TEST(CaseEcho, FilesOfAUsersProgramAreAbsoluteWhereTheyExist) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "data.d");
+  for (const char* name : {"law.csv", "data.d/grid.msh", "soft", "flap.inp"}) put(folder / name, "1");
+  put(folder / "case.toml", R"([structure]
+solver = "./spring.py"
+arguments = ["law.csv"]
+law = "law.csv"
+grids = ["./data.d/grid.msh", "other.msh"]
+kind = "soft"
+folders = "data.d"
+version = "1.2"
+[structure.own]
+deck = "flap.inp"
+[structure.precice]
+command = ["./bin/flap", "flap.inp"]
+)");
+  const CaseFile file = CaseFile::load(folder / "case.toml");
+  const std::string given = file.as_given("structure", "/opt/spring.py");
+  const std::string place = std::filesystem::absolute(folder.path()).lexically_normal().string();
+  for (const std::string& line :
+       {"law = '" + place + "/law.csv'", "grids = [ '" + place + "/data.d/grid.msh', 'other.msh' ]",
+        "deck = '" + place + "/flap.inp'", std::string("arguments = [ 'law.csv' ]"),
+        std::string("kind = 'soft'"), std::string("folders = 'data.d'"), std::string("version = '1.2'"),
+        "'" + place + "/bin/flap', 'flap.inp'"})
+    EXPECT_NE(given.find(line), std::string::npos) << line << "\n" << given;
+}
+
 }  // namespace
 }  // namespace strake

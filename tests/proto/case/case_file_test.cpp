@@ -241,6 +241,8 @@ TEST(Refusals, AreSaidOnceEach) {
   EXPECT_EQ(to_text(all_of({one})), to_text(one));
   const Error both(ExitCode::case_file, "", to_text(one) + to_text(other));  // as another program said them
   EXPECT_EQ(to_text(all_of({one, both})), to_text(one) + to_text(other));
+  const Error again(ExitCode::case_file, "a.toml:1", "is wrong\n  1 | here", "write 3");  // another program's
+  EXPECT_EQ(to_text(all_of({one, other, again})), to_text(one) + to_text(other));
 }
 
 TEST(CaseTable, TellsWhatIsGivenAndWhere) {

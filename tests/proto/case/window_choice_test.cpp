@@ -73,6 +73,26 @@ TEST(WindowChoice, FollowsSpacingAndSpeed) {
             1e-4);
 }
 
+const Sets cylinder = {"structure.solver=rigid", "structure.cylinder.radius=0.1", "structure.free.y=true"};
+
+// The water is 0.5 m deep: √(g H) = 2.2 m/s.
+TEST(WindowChoice, ABodyInTheWaterDoesNotFall) {
+  const Sets floating = with(cylinder, {"fluid.submerged=true", "end_time=20"});
+  EXPECT_NEAR(read_with(floating).chosen.speed, 2.215, 1e-3) << "g end_time is 196 m/s";
+  EXPECT_EQ(window_with(floating), 2e-4);
+  EXPECT_EQ(window_with(with(floating, {"end_time=40"})), 2e-4) << "whatever the end of the run";
+  EXPECT_EQ(read_with(with(floating, {"structure.velocity=[0,-5]"})).chosen.speed, 5) << "it is thrown";
+  EXPECT_NEAR(read_with(with(floating, {"end_time=0.01"})).chosen.speed, 0.0981, 1e-4) << "it is let go";
+}
+
+// The tank is 1 m high: √(2 g H) = 4.43 m/s.
+TEST(WindowChoice, AFallEndsAtTheFloor) {
+  EXPECT_NEAR(read_with(with(cylinder, {"end_time=20"})).chosen.speed, 4.429, 1e-3);
+  EXPECT_NEAR(read_with(with(cylinder, {"end_time=20", "structure.velocity=[0,-5]"})).chosen.speed, 6.680,
+              1e-3);
+  EXPECT_NEAR(read_with(with(cylinder, {"end_time=0.1"})).chosen.speed, 0.981, 1e-3);
+}
+
 TEST(WindowChoice, FollowsTheStructure) {
   // Aluminium: c = 5092 m/s, twenty spacings in 39 µs; rubber follows the waves, 0.05 l0/√(gH).
   const Sets vee = {"structure.mesh=a.msh", "structure.velocity=[0,-5]", "structure.material.density=2700"};
@@ -81,6 +101,7 @@ TEST(WindowChoice, FollowsTheStructure) {
   EXPECT_EQ(
       window_with(with(vee, {"structure.material.young=2e9", "structure.velocity=[0,0]", "end_time=1"})),
       2e-4);
+  EXPECT_EQ(read_with({"structure.mesh=a.msh", "structure.initial_velocity.value=[0,-6]"}).chosen.speed, 6);
   EXPECT_NE(read_with(with(vee, {"structure.material.young=70e9"})).chosen.why.find("structure's sound"),
             std::string::npos);
 }

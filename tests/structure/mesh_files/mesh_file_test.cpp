@@ -3,6 +3,7 @@
 #include "proto/error.hpp"
 #include "structure/body/mass.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -34,6 +35,10 @@ class MeshFile : public testing::Test {
   }
   std::filesystem::path folder_;
 };
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
 
 // Two quadrilaterals side by side, the second one walked clockwise; the left end has a name.
 const std::string msh2 = R"($MeshFormat
@@ -173,9 +178,6 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
   const auto says = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
-  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
-    return text.replace(text.find(from), from.size(), to);
-  };
   says(complaint("a.stl", msh2), "ends in .msh (Gmsh) or .inp (Abaqus)");
   says(complaint("a.msh", "hello"), "no $MeshFormat");
   says(complaint("a.msh", changed(msh2, "2.2 0 8", "2.2 1 8")), "a.msh:2 | a binary mesh file");
@@ -270,6 +272,55 @@ TEST_F(MeshFile, TetrahedraAndPrismsAreCutIntoHexahedraOfTheSameBody) {
                       3)
                 .find("a pyramid"),
             std::string::npos);
+}
+
+/// A sheet of n × n quadrilaterals of the side 1/n with nodes of its own, moved by `move`, as elements of the
+/// physical group `group`; numbers of nodes and elements begin after `before`.
+void add_sheet(int n, double move, int group, std::string& nodes, std::string& elements, int& before) {
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i)
+      nodes += fmt::format("{} {} {} 0\n", before + j * (n + 1) + i + 1, move + i / double(n), j / double(n));
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = before + j * (n + 1) + i + 1;
+      elements += fmt::format("{} 3 2 {} 1 {} {} {} {}\n", before + j * n + i + 1, group, a, a + 1, a + n + 2,
+                              a + n + 1);
+    }
+  before += (n + 1) * (n + 1);
+}
+
+std::string sheets(int n, double move) {
+  std::string nodes, elements;
+  int before = 0;
+  add_sheet(n, 0, 1, nodes, elements, before);
+  add_sheet(n, move, 2, nodes, elements, before);
+  return fmt::format(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n{}"
+      "$EndElements\n",
+      before, nodes, 2 * n * n, elements);
+}
+
+TEST_F(MeshFile, CellsOverOneAnotherAreRefused) {
+  const auto says = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  // A part that was meshed twice: the nodes are equal, but not merged.
+  says(complaint("a.msh", sheets(4, 0)), "element 26 lies over element 1 (line 59), at (0.125, 0.125, 0)");
+  says(complaint("a.msh", sheets(4, 0)), "cells with their middle in another: 32");
+  // Another mesh of the same place, moved by less than a cell; its first column is over the first sheet.
+  says(complaint("a.msh", sheets(4, 0.8)), "lies over element 4");
+  EXPECT_EQ(complaint("a.msh", sheets(4, 1)), "") << "side by side";
+  // One element in two physical groups, as Gmsh writes it in format 2.2.
+  says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "2 3 2 1 1 1 2 5 4")),
+       "element 2 is there twice");
+  // Triangles and tetrahedra are compared as they are cut.
+  says(complaint("t.msh", changed(triangles, "4 2 2 1 1 2 5 3", "4 2 2 1 1 1 2 3")),
+       "element 4 lies over element 2");
+  const std::string tets =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n"
+      "6 0.1 0.1 1\n$EndNodes\n$Elements\n2\n2 4 2 1 1 1 2 3 4\n3 4 2 1 1 ";
+  EXPECT_EQ(complaint("t.msh", tets + "2 4 3 5\n$EndElements\n", 3), "");
+  says(complaint("t.msh", tets + "1 2 3 6\n$EndElements\n", 3), "element 3 lies over element 2");
 }
 
 }  // namespace

@@ -95,11 +95,48 @@ def options_arrive(place):
     checked = strake("check", "box_stl.toml", cwd=place)
     expect(checked.returncode == 0 and "mass 312 kg" in checked.stdout,
            f"an STL file in mm, away from the origin: exit {checked.returncode}\n{made.stderr}{checked.stderr}")
+    word = strake("new", "mesh", "box.stl", "--scale", "0.001", "-o", "word.toml", cwd=place)
+    expect(word.returncode == 0, f"the file without --mesh: exit {word.returncode} {word.stderr}")
     expect("0.5 m wide, 0.2 m high" in (place / "box_stl.toml").read_text(), "its size stands in the file")
     (place / "below").mkdir()
     strake("new", "mesh", "--mesh", os.path.relpath(MESH, place), "-o", "below/hull.toml", cwd=place)
     checked = strake("check", "below/hull.toml", cwd=place)
     expect(checked.returncode == 0, f"a mesh is found from the case file's folder: exit {checked.returncode}\n{checked.stderr}")
+
+
+def space_is_small(place):
+    """A case of a body in space has about 100 000 particles whatever the body's shape, and says what a finer one costs."""
+    for shape, size in {"cube": (0.4, 0.3, 0.4), "hull": (20, 1.5, 3), "panel": (1, 0.02, 1), "blade": (0.02, 1, 1)}.items():
+        (place / f"{shape}.stl").write_text(box_of_stl((0, 0, 0), size))
+        made = strake("new", "mesh", "--mesh", f"{shape}.stl", "-o", f"{shape}.toml", cwd=place)
+        expect(made.returncode == 0, f"new mesh of {shape}: exit {made.returncode}\n{made.stderr}")
+        text = (place / f"{shape}.toml").read_text()
+        costs = re.compile(r"half[^\n]*: ([\d.]+) times the particles, ([\d.]+) times the time")
+        expect(costs.search(made.stdout) and costs.search(text), f"{shape}: half the spacing's cost {made.stdout}")
+        checked = strake("check", f"{shape}.toml", cwd=place).stdout
+        counted = re.search(r"steps of ([\d ]+) particles: some [\d.]+ (?:s|min) on one core", checked)
+        expect(counted and 60e3 < float(counted.group(1).replace(" ", "")) < 120e3, f"{shape}: 60 000 to 120 000 particles\n{checked}")
+        expect("warning" not in checked, f"{shape}: no warning\n{checked}")
+        said = re.search(r"about ([\d ]+) particles", made.stdout)
+        expect(said and counted and said.group(1) == counted.group(1), f"{shape}: the console's number is that of check {made.stdout}")
+
+
+def millimetres_are_warned_of(place):
+    """A body larger than any ship: the console and the case name --scale. One of a ship's size: they do not."""
+    for name, size, words, warns in (("mm", (400, 200, 500), "", True), ("long_mm", (1500, 60, 90), "", True), ("m", (400, 200, 500), "--scale 0.001", False),
+                                     ("ship", (60, 30, 330), "", False), ("cm", (40, 20, 50), "--scale 10", True)):
+        (place / f"{name}.stl").write_text(box_of_stl((0, 0, 0), size))
+        made = strake("new", "mesh", "--mesh", f"{name}.stl", *words.split(), "-o", f"size_{name}.toml", cwd=place)
+        hint = "--scale 0.01." if name == "cm" else "--scale 0.001."
+        for where, text in (("console", made.stdout + made.stderr), ("case", (place / f"size_{name}.toml").read_text())):
+            expect((hint in text and "larger than any ship" in text) == warns, f"{name}: warned of on the {where}: {warns}\n{made.stderr}")
+    made = strake("new", "plate", "--length", "400", "--thickness", "20", "-o", "size_plate.toml", cwd=place)
+    expect("--length 0.4 if it was meant in mm" in made.stderr, f"a plate in mm: {made.stderr}")
+    section = place / "section.msh"  # in the plane, in mm
+    section.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 300 0 0\n3 300 90 0\n4 0 90 0\n$EndNodes\n"
+                       "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n")
+    made = strake("new", "mesh", "--mesh", "section.msh", "-o", "section.toml", cwd=place)
+    expect("300 m across" in made.stderr and made.returncode == 0, f"a section in mm: exit {made.returncode} {made.stderr}")
 
 
 def refusals_help(place):
@@ -111,6 +148,7 @@ def refusals_help(place):
             ("plate --solver particle --thickness 0.0137 -o x.toml", 2, "--solver fem"), ("plate --solver fme -o x.toml", 2, "fem"),
             ("dam --height 9 -o x.toml", 2, "ten widths"), ("cylinder --mass -1 -o x.toml", 2, "expected 0.001"), ("mesh -o x.toml", 2, "--mesh"), ("mesh --mesh nothing.msh -o x.toml", 3, "nothing.msh"),
             (f"mesh --mesh {ROOT / 'README.md'} -o x.toml", 3, "no nodes"), ("wegde -o x.toml", 2, "did you mean wedge?"),
+            ("box.stl -o x.toml", 2, "strake new mesh box.stl"), ("mesh --mesh box.stl --scale 0 -o x.toml", 2, "expected 1e-06 to 1e+06: factor"),
             ("", 2, "expected a kind of case"), ("wedge -o none/x.toml", 6, "none")):
         refused = strake("new", *words.split(), cwd=place)
         expect(refused.returncode == code and said in refused.stderr, f"new {words}: exit {refused.returncode}, {refused.stderr.strip()}")
@@ -169,6 +207,8 @@ with folder() as name:
     here = pathlib.Path(name)
     kinds_pass_check(here, units(here))
     options_arrive(here)
+    space_is_small(here)
+    millimetres_are_warned_of(here)
     refusals_help(here)
     questions_are_asked(here)
     one_runs(here)

@@ -1,0 +1,108 @@
+// Scene of a rigid body from a mesh file.
+#include "coupler/new_case/case_lines.hpp"
+#include "coupler/new_case/case_size.hpp"
+#include "coupler/new_case/mesh_extent.hpp"
+#include "coupler/new_case/rigid_parts.hpp"
+#include "coupler/new_case/scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+namespace strake {
+namespace {
+
+/// A tank around a body in space. Walls and floor stand one `narrow` [m] from it, the smaller of its two
+/// widths.
+///
+/// A square plate meets the water of such a tank, and of one 1.5 times as deep, with 1.3 % more impulse than
+/// that of open water (cases/VALIDATION.md, "Plates in space").
+void put_space_tank(NewScene& s, double wide_x, double wide_z, double height) {
+  const double narrow = std::max(std::min(wide_x, wide_z), 0.1 * std::max(wide_x, wide_z));
+  s.right = s.water_right = 0.5 * wide_x + narrow;
+  s.left = -s.right;
+  s.front = 0.5 * wide_z + narrow;
+  s.back = -s.front;
+  s.bottom = -narrow;
+  s.top = height + 0.5 * narrow;
+}
+
+/// Makes all lengths of the tank in space whole spacings.
+void round_up(NewScene& s) {
+  const auto round = [&s](double& x) {
+    x = std::copysign(s.spacing * std::ceil(std::abs(x) / s.spacing - 1e-9), x);
+  };
+  for (double* x : {&s.left, &s.right, &s.back, &s.front, &s.bottom, &s.top}) round(*x);
+  s.water_right = s.right;
+}
+
+/// Moves tank and water to the mesh, which keeps its place.
+void move_to(const MeshExtent& mesh, double gap, NewScene& s) {
+  const auto middle_along = [&](std::size_t axis) {
+    return s.spacing * std::round(0.5 * (mesh.min[axis] + mesh.max[axis]) / s.spacing);
+  };
+  const double x = middle_along(0), z = s.dimension == 3 ? middle_along(2) : 0;
+  for (double* left_or_right : {&s.left, &s.right, &s.water_right}) *left_or_right += x;
+  for (double* back_or_front : {&s.back, &s.front}) *back_or_front += z;
+  s.surface = mesh.min[1] - gap;
+  for (double* height : {&s.bottom, &s.top}) *height += s.surface;
+}
+
+/// Warns of a body larger than any ship, which a file in mm gives where --scale is left out; empty for
+/// others.
+///
+/// Its longest, second and third length are compared with 500, 80 and 50 m. Prelude FLNG, the largest hull
+/// afloat, is 488 m long and 74 m wide. A section in the plane has no length of a ship: 80 and 50 m.
+std::string size_warning(std::array<double, 3> lengths, int dimension, double scale) {
+  constexpr std::array<double, 3> largest = {500, 80, 50};
+  std::sort(lengths.begin(), lengths.end(), std::greater<>());
+  const std::size_t first = dimension == 3 ? 0 : 1;
+  for (std::size_t k = 0; k + first < largest.size(); ++k)
+    if (lengths[k] > largest[k + first])
+      return fmt::format(
+          "the body is {:.4g} m {}, larger than any ship. If the file is in mm, write the case anew with "
+          "--scale {:g}.",
+          lengths[k], k + first == 0 ? "long" : "across", 0.001 * scale);
+  return {};
+}
+
+}  // namespace
+
+NewScene mesh_scene(const NewAnswers& answers) {
+  MeshExtent mesh = read_mesh_extent(answers.mesh);
+  const double scale = answers.value("scale");
+  for (double& x : mesh.min) x *= scale;
+  for (double& x : mesh.max) x *= scale;
+  const double wide_x = mesh.max[0] - mesh.min[0], wide_z = mesh.max[2] - mesh.min[2],
+               width = std::max(wide_x, wide_z), height = mesh.max[1] - mesh.min[1],
+               speed = answers.value("speed");
+  NewScene s;
+  s.dimension = wide_z > 1e-6 * width ? 3 : 2;
+  s.title = answers.mesh.stem().string() + " entry";
+  s.physics =
+      fmt::format("Rigid body of {}, {:.3g} m wide, {:.3g} m high, {}, {}-D.",
+                  answers.mesh.filename().string(), width, height, motion_words(answers), s.dimension);
+  if (s.dimension == 2) {
+    s.spacing = chosen_spacing(answers, "body's width", width, 80);
+    put_wide_tank(s, width, width, height + 0.5 * width);
+  } else {
+    put_space_tank(s, wide_x, wide_z, height);
+    s.spacing = chosen_spacing_or(spacing_in_space(s), answers, "body's width", width);
+    round_up(s);
+  }
+  s.warning = size_warning({wide_x, height, wide_z}, s.dimension, scale);
+  const double gap = rigid_gap * s.spacing;
+  move_to(mesh, gap, s);
+  s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
+  s.end_reason = "the body is deep in the water";
+  CaseLines lines = rigid_body(answers, s.dimension);
+  lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
+  lines.number("placed.scale", scale, "factor on its lengths: 1 in m, 0.001 in mm");
+  s.body = lines.str();
+  return s;
+}
+
+}  // namespace strake
