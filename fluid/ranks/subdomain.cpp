@@ -250,17 +250,21 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
   next = std::move(sorted);
 }
 
+/// Takes the boxes of the ranks from the state. Returns whether they are others.
+template <int dim>
+bool Subdomain<dim>::take_boxes(const State<dim>& state) {
+  if (std::ranges::equal(boxes_.values(), state.rank_boxes)) return false;
+  boxes_.assign({state.rank_boxes.data(), static_cast<std::size_t>(state.rank_boxes.size())});
+  wanted_by_.clear();
+  is_near_.clear();
+  return true;
+}
+
 template <int dim>
 void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   refresh_layers(state);
-  const bool has_boxes = state.rank_boxes.size() == 6 * communicator_->size();
-  if (balance_again || !has_boxes) balance(state);
-  const bool anew = !std::ranges::equal(boxes_.values(), state.rank_boxes);
-  if (anew) {
-    boxes_.assign({state.rank_boxes.data(), static_cast<std::size_t>(state.rank_boxes.size())});
-    wanted_by_.clear();
-    is_near_.clear();
-  }
+  if (balance_again || !has_boxes(state)) balance(state);
+  const bool anew = take_boxes(state);
   if (!is_read() || !division_->buckets_hold) {  // else the buckets that were read hold
     auto now = std::make_shared<Division>(*division_);
     for (std::size_t i = 0; i < now->bucket.size(); ++i)

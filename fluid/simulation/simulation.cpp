@@ -112,7 +112,7 @@ void Simulation<dim>::restore(const Snapshot& snapshot) {
   Work& w = *work_;
   w.step.state = snapshot.state;
   if (w.step.subdomain) {
-    w.step.subdomain->adopt(snapshot.division);
+    w.step.subdomain->adopt(snapshot.division, snapshot.state);
     w.count_particles();
   }
   w.begin_again();
