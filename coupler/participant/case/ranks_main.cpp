@@ -6,6 +6,7 @@
 #include "proto/ranks/ranked_participant.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -139,6 +140,7 @@ int ranks_main(int argc, char** argv, const RankedProgram& ranked,
   std::snprintf(last_name.data(), last_name.size(), "rank %d of the %s", ranks.rank(),
                 ranked.program.prefix.c_str());
   std::set_terminate(end_at_once);
+  spdlog::set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%l] %v");  // no colours: a launcher's terminal ends in a log
   int code = 0;
   try {
     const RankWatch watch(ranks, ranked.program.prefix);

@@ -49,6 +49,8 @@ def same_results():
         end = ["--set", "end_time=0.0008"]
         for tag, ranks in (("one", 1), ("two", 2)):
             expect(run(cwd, ranks, tag, *end).returncode == 0, f"plate_entry, {tag}")
+        log = (pathlib.Path(cwd) / "runs/plate_entry-two/fluid.log").read_text()
+        expect("] [info] " in log and "\x1b" not in log, "the log of ranks has no colours")
         expect(departs(cwd, "two") < 1e-5, f"two ranks: the force of one, {departs(cwd, 'two'):.1e} off")
         same_frames(pathlib.Path(cwd) / "runs")
         read_by_others(pathlib.Path(cwd) / "runs/plate_entry-two")
