@@ -19,6 +19,11 @@ bool is_of_rank(const std::string& line) {
   return line.starts_with("rank ") && line.size() > 5 && std::isdigit(static_cast<unsigned char>(line[5]));
 }
 
+/// Whether a line says nothing of an error: it is empty, a rule of a launcher (dashes), or information.
+bool says_nothing(const std::string& line) {
+  return line.find_first_not_of('-') == std::string::npos || line.find(information) != std::string::npos;
+}
+
 }  // namespace
 
 void note_resume(const std::filesystem::path& log, long window) {
@@ -38,7 +43,7 @@ std::string log_tail(const std::filesystem::path& log) {
       lines.clear();
       of_ranks.clear();
     }
-    if (line.empty() || line.find(information) != std::string::npos) continue;
+    if (says_nothing(line)) continue;
     for (auto* list : {&lines, &of_ranks}) {
       if (list == &of_ranks && !is_of_rank(line)) continue;
       list->push_back(line);

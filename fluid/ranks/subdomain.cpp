@@ -247,9 +247,9 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
   next = std::move(sorted);
 }
 
-/// Takes over the boxes of a state. Returns whether they are others.
+/// Takes the boxes of the ranks from the state. Returns whether they are others.
 template <int dim>
-bool Subdomain<dim>::set_boxes(const State<dim>& state) {
+bool Subdomain<dim>::take_boxes(const State<dim>& state) {
   if (std::ranges::equal(boxes_.values(), state.rank_boxes)) return false;
   boxes_.assign({state.rank_boxes.data(), static_cast<std::size_t>(state.rank_boxes.size())});
   wanted_by_.clear();
@@ -258,17 +258,10 @@ bool Subdomain<dim>::set_boxes(const State<dim>& state) {
 }
 
 template <int dim>
-void Subdomain<dim>::adopt(std::shared_ptr<const Division> division, const State<dim>& state) {
-  division_ = std::move(division);
-  if (state.rank_boxes.size() == 6 * communicator_->size()) set_boxes(state);
-}
-
-template <int dim>
 void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   refresh_layers(state);
-  const bool has_boxes = state.rank_boxes.size() == 6 * communicator_->size();
-  if (balance_again || !has_boxes) balance(state);
-  const bool anew = set_boxes(state);
+  if (balance_again || !has_boxes(state)) balance(state);
+  const bool anew = take_boxes(state);
   if (!is_read() || !division_->buckets_hold) {  // else the buckets that were read hold
     auto now = std::make_shared<Division>(*division_);
     for (std::size_t i = 0; i < now->bucket.size(); ++i)

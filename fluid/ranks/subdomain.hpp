@@ -84,8 +84,11 @@ class Subdomain {
   /// The same at the start, with a share of that much water and the layer particles of bodies, but none of
   /// the tank. Numbers the latter (State::id).
   void take_start(State<dim>&, std::int64_t water);
-  /// Goes back to a division that was noted with that state.
-  void adopt(std::shared_ptr<const Division>, const State<dim>&);
+  /// Goes back to a division that was noted with that state, and to its boxes.
+  void adopt(std::shared_ptr<const Division> division, const State<dim>& state) {
+    division_ = std::move(division);
+    if (has_boxes(state)) take_boxes(state);
+  }
   /// Whether the part is that of a state that has just been read.
   bool is_read() const { return !division_->is_divided(); }
   /// Whether the water is to be divided anew: a particle has left its bucket. All ranks agree.
@@ -157,8 +160,11 @@ class Subdomain {
   void gather_bodies(Vectors<dim>&) const;
 
  private:
+  bool has_boxes(const State<dim>& state) const {
+    return state.rank_boxes.size() == 6 * communicator_->size();
+  }
+  bool take_boxes(const State<dim>&);
   void balance(State<dim>&) const;
-  bool set_boxes(const State<dim>&);
   const std::vector<Wanting>& wanted_by(const Bucket&);
   int owner_of(const Bucket& bucket) const {
     return Buckets<dim>::owner(bucket, boxes_, communicator_->rank());
@@ -183,7 +189,7 @@ class Subdomain {
   double slack_;
   TankLayers<dim> tank_;
   std::int64_t water_of_whole_ = 0, layers_ = 0;  // in the whole
-  RankBoxes boxes_;
+  RankBoxes boxes_;                               // of `division_`
   std::shared_ptr<const Division> division_;
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
   std::unordered_map<std::int64_t, bool> is_near_;                    // of buckets of layers

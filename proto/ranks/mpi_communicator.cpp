@@ -24,7 +24,8 @@ int count_of(std::size_t bytes) {
 
 }  // namespace
 
-// An error of MPI ends all ranks, which is MPI's default. The end of MPI frees the communicator of ends.
+// An error of MPI ends all ranks: MPI's default, or the handler of `all`. The end of MPI frees the
+// communicator of ends.
 MpiCommunicator::MpiCommunicator(MPI_Comm all) : all_(all) {
   MPI_Comm_rank(all, &rank_);
   MPI_Comm_size(all, &size_);

@@ -12,24 +12,23 @@ namespace strake {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds patience{3};
 constexpr std::chrono::milliseconds between_looks{250};
+/// Looks in a row that find a rank stopped, after which it is killed: three seconds.
+constexpr int patience = 12;
 
 struct Place {
   std::array<char, 64> machine{};
   pid_t process = 0;
 };
 
+/// Counts the looks in a row that find the process stopped. A clock would also count the time in which this
+/// rank was stopped itself, as all are when a batch system suspends a job. They do not go on at one instant.
 void watch(const std::stop_token& stop, const std::string& part, int rank, pid_t process) {
-  Clock::time_point moving = Clock::now();
+  int stopped = 0;
   while (!stop.stop_requested()) {
     std::this_thread::sleep_for(between_looks);
-    if (!is_stopped(process)) {
-      moving = Clock::now();
-      continue;
-    }
-    if (Clock::now() - moving < patience) continue;
+    stopped = is_stopped(process) ? stopped + 1 : 0;
+    if (stopped < patience) continue;
     std::fprintf(stderr, "rank %d of the %s is stopped (process %d): the run ends\n", rank, part.c_str(),
                  static_cast<int>(process));
     kill(process, SIGKILL);  // the launcher names it, and ends the others

@@ -6,6 +6,7 @@
 #include "proto/ranks/ranked_participant.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -40,6 +41,25 @@ void say_why(const char* text) {
   *end++ = '\n';
   [[maybe_unused]] const ssize_t ignored =
       write(STDERR_FILENO, line.data(), static_cast<std::size_t>(end - line.begin()));
+}
+
+/// Ends all ranks after an error of MPI, as MPI does by itself. MPI's own words take ten lines, of which the
+/// last ones do not name the error.
+void end_by_mpi(MPI_Comm* all, int* error, ...) {  // NOLINT: the signature that MPI asks for
+  std::array<char, MPI_MAX_ERROR_STRING> text{};
+  int length = 0;
+  MPI_Error_string(*error, text.data(), &length);
+  say_why(text.data());
+  MPI_Abort(*all, static_cast<int>(ExitCode::our_bug));
+}
+
+/// Makes end_by_mpi the answer to an error in messages of all ranks. Communicators that are copied later have
+/// it too.
+void say_errors_of_mpi() {
+  MPI_Errhandler handler{};
+  MPI_Comm_create_errhandler(end_by_mpi, &handler);
+  MPI_Comm_set_errhandler(MPI_COMM_WORLD, handler);
+  MPI_Errhandler_free(&handler);  // once no communicator has it
 }
 
 /// Whether the command line is that of a participant of a run. The other modes need one rank.
@@ -115,10 +135,12 @@ int ranks_main(int argc, char** argv, const RankedProgram& ranked,
                const std::function<std::unique_ptr<Participant>(const Setup&, Communicator&)>& build) {
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  say_errors_of_mpi();
   MpiCommunicator ranks(MPI_COMM_WORLD);
   std::snprintf(last_name.data(), last_name.size(), "rank %d of the %s", ranks.rank(),
                 ranked.program.prefix.c_str());
   std::set_terminate(end_at_once);
+  spdlog::set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%l] %v");  // no colours: a launcher's terminal ends in a log
   int code = 0;
   try {
     const RankWatch watch(ranks, ranked.program.prefix);

@@ -39,6 +39,13 @@ TEST(LogTail, HoldsTheLastThreeLinesThatAreNoMereInformation) {
   EXPECT_EQ(log_tail(place / "none.log"), "");
 }
 
+TEST(LogTail, LeavesOutTheRulesThatALauncherDraws) {
+  const TemporaryFolder place;
+  const auto log = place / "fluid.log";
+  std::ofstream(log) << "why\n--------\nprocess 1 exited\non signal 9\n--------\n";
+  EXPECT_EQ(log_tail(log), "\nfluid.log: why\nfluid.log: process 1 exited\nfluid.log: on signal 9");
+}
+
 // A launcher prints more lines behind the one that says why.
 TEST(LogTail, HoldsWhatARankHasSaidOfItsEnd) {
   const TemporaryFolder place;

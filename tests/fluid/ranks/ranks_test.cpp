@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <numeric>
 #include <string>
 
@@ -230,6 +231,34 @@ TEST(Ranks, EachHasTheLayersOfTheTankNearItsWater) {
   for (const std::size_t count : layers) EXPECT_LT(count, whole / 2);
 }
 
+/// Computes each window of so many steps twice on several ranks. changes: how often a rank went back to
+/// another division than the one that it had come to, by `differ`.
+State<2> with_windows_computed_twice(
+    const Flow<2>& flow, int window, int count, int& changes,
+    const std::function<bool(const Simulation<2>&, const Simulation<2>::Snapshot&)>& differ) {
+  std::atomic<int> all_changes = 0;
+  State<2> end;
+  ThreadRanks(count).run([&](Communicator& communicator) {
+    Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+    for (int k = 0; k < flow.steps; k += window) {
+      const Simulation<2>::Snapshot before = part.snapshot();
+      for (const bool again : {false, true}) {
+        if (again) {
+          if (differ(part, before)) ++all_changes;
+          part.restore(before);
+        }
+        for (int n = k; n < k + window; ++n) flow.step(part, n);
+      }
+    }
+    const State<2>& whole = part.whole();
+    if (communicator.rank() == 0) end = whole;
+  });
+  changes = all_changes;
+  end.rank_boxes.resize(0);
+  end.rank_buckets.clear();
+  return end;
+}
+
 // A window is computed again after a rewind. Where its second step has divided the water anew, a rank goes
 // back to another number of particles, and computes the first step with it.
 TEST(Ranks, AWindowThatDividesTheWaterMayBeComputedAgain) {
@@ -240,29 +269,31 @@ TEST(Ranks, AWindowThatDividesTheWaterMayBeComputedAgain) {
                .steps = 104};
   flow.p.sound_speed = 1500;
   const State<2> one = on_one_rank(flow);
-  constexpr int window = 4;  // steps
   for (const int count : {2, 3}) {
-    std::atomic<int> changes = 0;
-    State<2> end;
-    ThreadRanks(count).run([&](Communicator& communicator) {
-      Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
-      for (int k = 0; k < flow.steps; k += window) {
-        const Simulation<2>::Snapshot before = part.snapshot();
-        for (const bool again : {false, true}) {
-          if (again) {
-            if (part.state().kind.size() != before.state.kind.size()) ++changes;
-            part.restore(before);
-          }
-          for (int n = k; n < k + window; ++n) flow.step(part, n);
-        }
-      }
-      const State<2>& whole = part.whole();
-      if (communicator.rank() == 0) end = whole;
-    });
-    end.rank_boxes.resize(0);
-    end.rank_buckets.clear();
-    expect_same(end, one, std::to_string(count) + " ranks");
+    int changes = 0;
+    const auto size_differs = [](const Simulation<2>& part, const Simulation<2>::Snapshot& before) {
+      return part.state().kind.size() != before.state.kind.size();
+    };
+    expect_same(with_windows_computed_twice(flow, 4, count, changes, size_differs), one,
+                std::to_string(count) + " ranks");
     EXPECT_GT(changes, 1) << count << " ranks";
+  }
+}
+
+// The first time a window moves the boxes of the ranks. The second time it moves them to the same places: a
+// rank has the layer particles of the old boxes until then.
+TEST(Ranks, AWindowThatMovesTheBoxesMayBeComputedAgain) {
+  Flow<2> flow{.p = tank_case(0.8, 0.2, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 130};
+  flow.p.water.max[0] = -0.2;
+  const State<2> one = on_one_rank(flow);
+  for (const int count : {3, 5}) {
+    int changes = 0;
+    const auto layers_differ = [](const Simulation<2>& part, const Simulation<2>::Snapshot& before) {
+      return part.ranks().subdomain()->division().layer_number != before.division->layer_number;
+    };
+    expect_same(with_windows_computed_twice(flow, 2, count, changes, layers_differ), one,
+                std::to_string(count) + " ranks");
+    EXPECT_GT(changes, 0) << count << " ranks";
   }
 }
 

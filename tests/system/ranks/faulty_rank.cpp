@@ -1,6 +1,7 @@
 // One rank of a fluid, of which one fails on request: STRAKE_FAULT=RANK:KIND:CALL:WINDOW in the environment.
-// RANK: its number, or "all". KIND: "memory", "bug", "error", or "thread", an exception that nobody catches.
-// CALL: "build", "start" or "after", when the others have ended their part of `start`.
+// RANK: its number, or "all". KIND: "memory", "bug", "error", "thread", an exception that nobody catches, or
+// "mpi", a call that MPI refuses. CALL: "build", "start" or "after", when the others have ended
+// their part of `start`.
 
 #include "coupler/participant/ranks_main.hpp"
 #include "fluid/program.hpp"
@@ -9,6 +10,7 @@
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
+#include <mpi.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -40,6 +42,7 @@ Wish read_wish() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   fmt::print(stderr, "[toy] [info] fault at {:.6f}\n", std::chrono::duration<double>(now).count());
   if (kind == "memory") throw std::bad_alloc();
+  if (kind == "mpi") MPI_Send(nullptr, -1, MPI_CHAR, 0, 0, MPI_COMM_WORLD);
   if (kind == "bug") throw std::logic_error("a vector is too short");
   if (kind == "thread") std::thread([] { throw std::runtime_error("a loop has failed"); }).join();
   throw Error(ExitCode::solver_fault, "fluid, step 7", "the flow has blown up", "lower fluid.scheme.cfl");

@@ -1,5 +1,7 @@
 """The water on several ranks: the results of one rank, resumed runs, files in parts, ranks that die, stop or fail, refusals.
 ranks.py ROOT BIN"""
+import contextlib
+import os
 import pathlib
 import re
 import resource
@@ -47,6 +49,8 @@ def same_results():
         end = ["--set", "end_time=0.0008"]
         for tag, ranks in (("one", 1), ("two", 2)):
             expect(run(cwd, ranks, tag, *end).returncode == 0, f"plate_entry, {tag}")
+        log = (pathlib.Path(cwd) / "runs/plate_entry-two/fluid.log").read_text()
+        expect("] [info] " in log and "\x1b" not in log, "the log of ranks has no colours")
         expect(departs(cwd, "two") < 1e-5, f"two ranks: the force of one, {departs(cwd, 'two'):.1e} off")
         same_frames(pathlib.Path(cwd) / "runs")
         read_by_others(pathlib.Path(cwd) / "runs/plate_entry-two")
@@ -155,6 +159,24 @@ def lost_rank(kill, rank, limit):
         lose_rank(process, "strake-fluid-ranks", rank, kill, limit)
 
 
+def suspended_together(first, second):
+    """All ranks are stopped for longer than a rank waits for another, as by a batch system, and go on one after the other."""
+    with folder() as cwd:
+        process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, "--set", "end_time=0.0003", cwd=cwd)
+        table = pathlib.Path(cwd) / "runs/plate_entry/history.csv"
+        wait_until(lambda: table.exists() and table.read_text().count("\n") > 3, 60)
+        pids = ranks_of(process, "strake-fluid-ranks")
+        for pid in pids.values():
+            os.kill(pid, signal.SIGSTOP)
+        time.sleep(5)
+        for rank in (first, second):
+            with contextlib.suppress(ProcessLookupError):  # the other one has killed it
+                os.kill(pids[rank], signal.SIGCONT)
+            time.sleep(0.6)
+        _, said = process.communicate(timeout=60)
+        expect(process.returncode == 0, f"all ranks suspended, rank {first} first to go on: exit {process.returncode}\n{said}")
+
+
 def failing_rank(fault, code, named, not_named, limit):
     """A rank that throws, alone or with all others (faulty_rank.cpp): the run ends, and says which rank and why."""
     with folder() as cwd:
@@ -189,6 +211,7 @@ def failures_of_ranks():
             ("0:bug:start:3", 70, ["rank 0", "a vector is too short"], "rank 1"),
             ("1:error:after:3", 4, ["rank 1", "the flow has blown up"], "exited"),
             ("all:error:start:3", 4, ["the flow has blown up"], "rank "),
+            ("1:mpi:start:3", 5, ["rank 1", "invalid count"], "rank 0"),
             ("1:thread:start:3", 5, ["rank 1", "a loop has failed"], "rank 0"),
             ("1:memory:build:", 5, ["rank 1", "is out of memory"], "rank 0")):
         failing_rank(fault, code, named, not_named, 5)
@@ -237,6 +260,8 @@ same_results()
 a_rank_cannot_write()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
+suspended_together(0, 1)
+suspended_together(1, 0)
 failures_of_ranks()
 for one in (0, 1):
     out_of_memory(one)
