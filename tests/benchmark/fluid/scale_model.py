@@ -5,9 +5,9 @@ PROGRAM is build/tests/fluid_mpi_ranks. It computes a box of water in space on e
 counts are read: ghosts, bytes and messages of a step, sums over all ranks, iterations, imbalance. No time of those runs enters.
 
 The model, of a rank with n own particles:
-  computing   n (1 + part f) t       t: one particle on one processor; f: ghosts of the first ring over own; part: what one of them takes,
-                                     of t, for its row of neighbours; those of the second ring have none
-  halo        g n b / B + m a        g: all ghosts over own; b: bytes of a ghost and step; m: messages; a: latency; B: of ghosts from the same
+  computing   n (1 + part g) t       t: one particle on one processor; g: all ghosts over own; part: what one of them takes of t, to copy
+                                     it anew where the water is divided; ghosts have neither rows nor sums
+  halo        g n b / B + m a        b: bytes of a ghost and step; m: messages; a: latency; B: of ghosts from the same
                                      node what two ranks reach, of those from other nodes the rank's part of the network
   sums        s L log2(ranks)        s: sums over all ranks in a step; L: one stage of such a sum
   hypre       h n t                  h: what the pressure takes longer than on one rank, with BoomerAMG in the place of own levels, of t
@@ -37,10 +37,10 @@ SUM_STAGE = 20e-6         # s a stage of a sum over all ranks
 RANKS_OF_NODE = 64
 NETWORK = 25e9 / RANKS_OF_NODE  # B/s of a rank
 # Measured by rank_scaling.py, two ranks on two processors.
-SECONDS_OF_PARTICLE = 5.3e-6  # a step of 2.5e5 particles in space, one thread
-GHOST_PART = 0.34             # (stages of 2 ranks but the pressure - half of one rank's) / ghosts of the first ring, 0.29 and 0.34
-HYPRE_PART = 0.13             # (pressure of 2 ranks - half of one rank's) / half of a step: set-up, cycles, one more iteration
-WITHIN_NODE = 2.6e9           # B/s of a rank: bytes sent over the stage `halo`
+SECONDS_OF_PARTICLE = 5.4e-6  # a step of 2.5e5 particles in space, one thread
+GHOST_PART = 0.06             # stage `division` of 2 ranks / half of a step / ghosts; the other stages take no longer than one rank's
+HYPRE_PART = 0.08             # (pressure of 2 ranks - half of one rank's) / half of a step: set-up, cycles, one more iteration
+WITHIN_NODE = 1.9e9           # B/s of a rank: bytes sent over the stage `halo` of the rank that waits least
 CYCLE_MESSAGES, LEVELS = 8, 10  # of the grid's cycle on a level; levels of 4e7 rows
 
 with tempfile.TemporaryDirectory() as name:
@@ -56,7 +56,7 @@ for ranks, of in found:
     print(f"{ranks:6d} {of['own']:8.0f} {100 * of['ghosts']:7.0f}% {100 * of['first_ring']:10.0f}% {of['bytes']:8.0f} "
           f"{of['messages']:9.0f} {of['sums']:6.0f} {of['iterations']:11d} {of['imbalance']:10.3f}")
 
-# A rank inside has ghosts on all sides: a cube of side n^(1/3) grown by 3.3, the first ring, and 6.6 on each of them.
+# A rank inside has ghosts on all sides: a cube of side n^(1/3) grown by 6.3 on each of them.
 worst = {key: max(of[key] for _, of in found) for key in ("bytes", "messages", "sums", "iterations")}
 uneven = max((of["imbalance"] - 1) * of["own"] ** (1 / 3) for _, of in found)
 
@@ -67,10 +67,10 @@ def ghosts_of(n, width):
 
 
 def model(ranks, n):
-    f, g, outside = ghosts_of(n, 3.3), ghosts_of(n, 6.6), ghosts_of(RANKS_OF_NODE * n, 6.6)  # outside: from other nodes
+    g, outside = ghosts_of(n, 6.3), ghosts_of(RANKS_OF_NODE * n, 6.3)  # outside: from other nodes
     useful = n * SECONDS_OF_PARTICLE
     parts = {
-        "ghosts": f * GHOST_PART * useful,
+        "ghosts": g * GHOST_PART * useful,
         "halo, bytes": worst["bytes"] * n * ((g - outside) / WITHIN_NODE + outside / NETWORK),
         "halo, messages": worst["messages"] * 26 / 7 * LATENCY,  # 26 neighbours; 8 ranks have 7
         "sums": worst["sums"] * SUM_STAGE * math.log2(ranks),
@@ -81,7 +81,7 @@ def model(ranks, n):
     return useful, parts
 
 
-print("\nmodelled, of a step; the ghosts of a rank inside, 6.6 l0 around a cube (an upper bound)")
+print("\nmodelled, of a step; the ghosts of a rank inside, 6.3 l0 around a cube (an upper bound)")
 print(f"{'ranks':>6} {'particles':>10} {'a rank':>9} {'ghosts':>7} {'step':>8} {'efficiency':>11}   losses")
 for ranks, total in ((64, 32e6), (512, 250e6), (2048, 1e9), (8192, 1e9)):
     n = total / ranks
@@ -91,6 +91,6 @@ for ranks, total in ((64, 32e6), (512, 250e6), (2048, 1e9), (8192, 1e9)):
           + ", ".join(f"{name} {100 * value / step:.1f} %" for name, value in parts.items()))
 print("\nNot in the model: layer particles of walls. A rank has those near its water, and makes their list anew where the boxes change.")
 print("The memory of a node is assumed to serve all its ranks as it serves two.")
-print("Weakest assumption: the set-up of BoomerAMG on the grid, 1/36 of the particles, is counted as if it scaled as computing does. On thousands of")
+print("Weakest assumption: the set-up of BoomerAMG on the grid, 1/31 of the particles, is counted as if it scaled as computing does. On thousands of")
 print("ranks it has ten levels of messages of its own, which were not counted here. And the water is still: where it moves, it is divided anew in many")
 print("steps. A division takes 5 to 8 ms on two ranks with a step of 800 ms.")
