@@ -184,7 +184,7 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
                     "in m, speeds in m/s",
                     speed, fastest));
   if (const auto gravity = numbers_in(at_or(view.value, "fluid.gravity"));
-      gravity.size() > 1 && gravity[1] > 0)
+      gravity.size() > 1 && gravity[1] > 0 && at_or(view.value, "fluid.open_top") != "false")
     lines.push_back(
         fmt::format("fluid.gravity points up, {:.3g} m/s^2 along y: the water leaves the tank, which is "
                     "open above; [0, -9.81] points down",

@@ -91,6 +91,8 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   CaseView view = wedge();
   view.value["fluid.gravity"] = "[0, 9.81, 0]";
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity points up"));
+  view.value["fluid.open_top"] = "false";
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "fluid.gravity points up"));
   view = wedge();
   view.value["fluid.density"] = "1";
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.density = 1 is 1/1000 of that of water"));
