@@ -171,10 +171,13 @@ Frame Rigid::frame() const {
 std::vector<std::string> Rigid::lines() const {
   const MassProperties& m = body_.mass();
   const char* per = parameters_.dimension == 2 ? " per metre of depth" : "";
+  constexpr double round_off = 1e-12;
+  const double none = round_off * mesh_.position.cwiseAbs().maxCoeff();
+  const Eigen::Vector3d centre = (m.centre.array().abs() < none).select(0, m.centre);
   std::vector<std::string> lines = {
       fmt::format("rigid   {} interface points   {}", mesh_.position.cols(), motion_text(parameters_)),
-      fmt::format("mass {:.6g} kg{}   centre of gravity ({:.6g}, {:.6g}{}) m", m.mass, per, m.centre.x(),
-                  m.centre.y(), parameters_.dimension == 3 ? fmt::format(", {:.6g}", m.centre.z()) : "")};
+      fmt::format("mass {:.6g} kg{}   centre of gravity ({:.6g}, {:.6g}{}) m", m.mass, per, centre.x(),
+                  centre.y(), parameters_.dimension == 3 ? fmt::format(", {:.6g}", centre.z()) : "")};
   if (parameters_.dimension == 2)
     lines.back() += fmt::format("   inertia {:.6g} kg m^2", m.inertia(2, 2));
   else
