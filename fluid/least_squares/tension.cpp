@@ -13,12 +13,12 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
   const double most = std::min(tuned.largest_tension, p_.density * now_.largest_speed * now_.largest_speed);
   equation_.tension = false;
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
-  // the same value.
-  // Ghosts have no rows, so that on several ranks all water looks for the surface in its own.
-  surface_.in_reach.assign(static_cast<std::size_t>(water), ranks_.several() ? 1 : 0);
-#pragma omp parallel for schedule(static)
-  for (std::int64_t j = 0; j < water; ++j) {
-    if (ranks_.several() || surface_.share[j] < 1) continue;
+  // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
+  const bool several = ranks_.several();
+  surface_.in_reach.assign(static_cast<std::size_t>(water), several ? 1 : 0);
+#pragma omp parallel for schedule(static) if (!several)
+  for (std::int64_t j = 0; j < (several ? 0 : water); ++j) {
+    if (surface_.share[j] < 1) continue;
     for (const std::int32_t i : far.row(j)) {
       if (i >= water) break;
       std::atomic_ref(surface_.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
