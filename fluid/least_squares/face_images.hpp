@@ -26,7 +26,8 @@ struct FaceImages {
   };
   std::vector<std::array<Face, dim>> faces;  // of each water particle
   std::vector<std::uint8_t> count;           // how many of them
-  std::vector<std::int64_t> first;           // of each water particle's pairs, and their number
+  std::vector<std::uint8_t> at_edge;  // whether it is in the last column before a face's free end (F84)
+  std::vector<std::int64_t> first;    // of each water particle's pairs, and their number
   std::vector<Pair> pairs;
   bool any = false;
   double factor = 1;  // f

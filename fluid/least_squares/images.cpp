@@ -37,6 +37,7 @@ void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const S
                                           const Neighbours& far) {
   const std::int64_t water = boundary.water();
   images_.count.assign(static_cast<std::size_t>(water), 0);
+  images_.at_edge.assign(static_cast<std::size_t>(water), 0);
   images_.any = false;
   if (boundary.volume()) return;
   int point = 0;
@@ -106,14 +107,15 @@ void LeastSquaresScheme<dim>::find_image_faces(const Boundary<dim>& boundary, co
     nearest[f] = aside;
     faces[f] = {.layer = j, .end = 0, .height = height, .part = part, .normal_velocity = 0};
   }
-  if constexpr (dim == 3) {
-    const Vector<dim> x = state.position.col(i);
-    for (std::uint8_t f = 0; f < count; ++f) {
-      const double inside = boundary.inside_free_end(boundary.point_of(faces[f].layer), x) / p_.spacing;
-      faces[f].end = static_cast<float>(std::clamp(2 - inside, 0.0, 1.0));
-    }
+  const Vector<dim> x = state.position.col(i);
+  bool at_edge = false;
+  for (std::uint8_t f = 0; f < count; ++f) {
+    const double inside = boundary.inside_free_end(boundary.point_of(faces[f].layer), x) / p_.spacing;
+    at_edge = at_edge || (inside < 1 && faces[f].height < 2 * p_.spacing);
+    if constexpr (dim == 3) faces[f].end = static_cast<float>(std::clamp(2 - inside, 0.0, 1.0));
   }
   images_.count[k] = count;
+  images_.at_edge[k] = at_edge;
 }
 
 /// Computes the slope of the pressure at the height of each particle over its faces, as a velocity [m/s]:

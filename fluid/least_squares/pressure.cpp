@@ -88,8 +88,9 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
     source = local * state.pressure[i] + drift * deviation;
     if (absorption > 0) source += absorption * still_pressure(boundary, state.position.col(i));
     system.diagonal[i] = moments_.diagonal[i] + surface_.kappa[i] + own;
-    const double incompressible = 1 - local / system.diagonal[i],
-                 carried = 0.5 * (1 + share) * fraction.of(wall.beside) * part * incompressible;
+    const double incompressible = 1 - local / system.diagonal[i];
+    double carried = 0.5 * (1 + share) * fraction.of(wall.beside) * part * incompressible;
+    if (images_.at_edge[static_cast<std::size_t>(i)]) carried = std::max(carried, fraction.at_edge * part);
     equation_.incompressible[i] = static_cast<float>(incompressible);
     equation_.carried[i] = static_cast<float>(carried);
     if (now_.deferred > 0)
@@ -177,7 +178,10 @@ double LeastSquaresScheme<dim>::drift_share(double dt) const {
 // Returns the fraction of the residual divergence that is carried to the next step (F44), u = max|u| past the
 // tank:
 //   max(0, 1 − Δt (u + √(g l0))/l0) ,   beside a plate or box max(0, 1 − Δt u/l0) u²/(u² + gH) ,
-// beside other bodies 0. The factors of each particle come later. Divergence and gradient are not adjoint.
+// beside other bodies 0. The factors of each particle come later. In the last column before a plate's free
+// end
+//   max(0, 1 − cΔt/(2 r_e)) max(0, 1 − Δt (u + √(g l0))/l0)
+// is the least (F84), r_e the radius of the gradient. Divergence and gradient are not adjoint.
 // Removing all of the residual in each step amplifies some modes by up to 5 % per step, still water then
 // never rests, and the less so the shorter the steps. A residual that is left beside a body makes its force
 // lag behind its motion.
@@ -187,6 +191,7 @@ auto LeastSquaresScheme<dim>::carried_fraction(double dt) const -> CarriedFracti
   CarriedFraction out;
   out.elsewhere = std::max(0.0, 1 - dt * (u + free_fall) / p_.spacing);
   if (u > 0) out.beside_plate = std::max(0.0, 1 - dt * u / p_.spacing) / (1 + wave_speed_squared() / (u * u));
+  out.at_edge = out.elsewhere * std::max(0.0, 1 - p_.sound_speed * dt / (2 * gradient_.radius));
   return out;
 }
 

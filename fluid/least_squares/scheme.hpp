@@ -365,7 +365,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   double drift_share(double dt) const;
   /// ε of (F44) but for the particle's own factors.
   struct CarriedFraction {
-    double elsewhere = 0, beside_plate = 0;
+    double elsewhere = 0, beside_plate = 0, at_edge = 0;
     double of(Beside beside) const {
       if (beside == Beside::other_face) return 0;
       return beside == Beside::plate ? beside_plate : elsewhere;
