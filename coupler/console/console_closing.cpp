@@ -122,6 +122,8 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
                                    counted(summary.taken_back(), "window") + " taken back for shorter ones"));
   for (const Verdict& verdict : summary.verdicts) lines.push_back("  " + verdict_text(verdict, style));
   add_found(json["probes"], header, style, lines);
+  for (const std::string& blow : summary.blows())
+    lines.push_back("  " + painted(style, "33", "blow") + "    " + visible(blow));
   add_alarms(summary, style, lines);
   add_checks(json["checks"], lines);
   if (end.profile != nullptr)

@@ -154,8 +154,8 @@ double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) 
 }
 
 /// Half the width of the widest of several hulls [m]: parts of a body in the plane whose outline a level
-/// surface at height y cuts apart; 0 where it cuts one part. Between the crossings of even and odd number
-/// lies the body.
+/// surface at height y cuts apart, and that have no body below the gap between them, as the two sides of a
+/// hollow V have. 0 where there is one. Between the crossings of even and odd number lies the body.
 double half_width_of_hulls(const InterfaceMesh& body, double y) {
   std::vector<double> crossings;
   for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
@@ -165,10 +165,20 @@ double half_width_of_hulls(const InterfaceMesh& body, double y) {
   }
   if (crossings.size() < 4 || crossings.size() % 2 != 0) return 0;
   std::sort(crossings.begin(), crossings.end());
-  double widest = 0;
-  for (std::size_t k = 0; k < crossings.size(); k += 2)
-    widest = std::max(widest, crossings[k + 1] - crossings[k]);
-  return 0.5 * widest;
+  double widest = 0, left = crossings.front();
+  int hulls = 1;
+  for (std::size_t k = 1; k < crossings.size(); k += 2) {
+    const double right = crossings[k];
+    widest = std::max(widest, right - left);
+    if (k + 1 == crossings.size()) break;
+    const auto below = [&](const auto& X) { return X[1] <= y && X[0] > right && X[0] < crossings[k + 1]; };
+    bool joined = false;
+    for (Eigen::Index i = 0; i < body.position.cols(); ++i) joined = joined || below(body.position.col(i));
+    if (joined) continue;
+    left = crossings[k + 1];
+    ++hulls;
+  }
+  return hulls > 1 ? 0.5 * widest : 0;
 }
 
 }  // namespace

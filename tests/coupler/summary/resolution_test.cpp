@@ -75,6 +75,18 @@ TEST(Resolution, TheWidthOfACatamaranIsThatOfAHull) {
   EXPECT_NEAR(half_width_below(catamaran, 0.25), 0.5, 1e-12) << "the deck is wet";
 }
 
+// Its inner faces are dry. A level surface crosses its outline four times, as that of two hulls.
+TEST(Resolution, AHollowWedgeIsOneHull) {
+  InterfaceMesh shell;
+  shell.dimension = 2;
+  shell.position.setZero(3, 6);
+  shell.position.topRows(2) << 0, 0.25, 0.25, 0, -0.25, -0.25,  //
+      0, 0.1, 0.11, 0.01, 0.11, 0.1;
+  shell.faces.resize(2, 6);
+  for (int k = 0; k < 6; ++k) shell.faces.col(k) << k, (k + 1) % 6;
+  EXPECT_NEAR(half_width_below(shell, 0.05), 0.125, 1e-12);
+}
+
 TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
   const std::string words = "does not reach the water";
