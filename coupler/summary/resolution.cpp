@@ -153,9 +153,10 @@ double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) 
   return high > low ? 0.5 * (high - low) : 0;
 }
 
-/// Half the width of the widest of several hulls [m]: parts of a body in the plane whose outline a level
-/// surface at height y cuts apart, and that have no body below the gap between them, as the two sides of a
-/// hollow V have. 0 where there is one. Between the crossings of even and odd number lies the body.
+/// Half the width of the widest of several hulls [m]; 0 where a body has one. Hulls are parts of a body in
+/// the plane whose outline a level surface at height y cuts apart. Where the body lies below the gap between
+/// two parts they are one, as the sides of a hollow V. Between the crossings of even and odd number lies the
+/// body.
 double half_width_of_hulls(const InterfaceMesh& body, double y) {
   std::vector<double> crossings;
   for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
