@@ -205,23 +205,6 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));
 }
 
-/// A body that stands in the water and starts upwards. Water without tension lets go of it in the first
-/// step, and the suction −m_a dV/dt, m_a its added mass, is missing (cases/VALIDATION.md, "Tension in the
-/// water").
-void look_at_exit(const CaseView& view, std::vector<std::string>& lines) {
-  const auto velocity = numbers_in(at_or(view.value, "structure.velocity")),
-             gravity = numbers_in(at_or(view.value, "fluid.gravity"));
-  if (velocity.size() < 2 || at_or(view.value, "fluid.submerged") != "true" ||
-      at_or(view.value, "fluid.scheme.negative_pressure") != "false")
-    return;
-  const double up = gravity.size() > 1 && gravity[1] > 0 ? -velocity[1] : velocity[1];
-  if (up > 0)
-    lines.push_back(
-        fmt::format("the body starts upwards in the water at {:.3g} m/s, and this water carries no tension: "
-                    "it lets go of the body at once. fluid.scheme.negative_pressure = true holds it",
-                    up));
-}
-
 }  // namespace
 
 std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
@@ -230,7 +213,6 @@ std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
   look_at_units(view, lines);
-  look_at_exit(view, lines);
   constexpr double usual = 40;  // spacings across a body
   const double l0 = view.number("fluid.spacing").value_or(0);
   if (const double ratio = extent > 0 ? l0 / (extent / usual) : 1; is_far_off(ratio))

@@ -110,21 +110,6 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "lighter than foam"));
 }
 
-TEST(Pace, ABodyThatLeavesTheWaterNeedsTension) {
-  CaseView view = wedge();
-  const std::string words = "fluid.scheme.negative_pressure = true";
-  view.value["structure.velocity"] = "[0, 1.5, 0]";
-  view.value["fluid.scheme.negative_pressure"] = "false";
-  EXPECT_FALSE(says(far_off_lines(view, 0), words)) << "it is above the water";
-  view.value["fluid.submerged"] = "true";
-  EXPECT_TRUE(says(far_off_lines(view, 0), words));
-  view.value["structure.velocity"] = "[0, -1.5, 0]";
-  EXPECT_FALSE(says(far_off_lines(view, 0), words)) << "it goes down";
-  view.value["structure.velocity"] = "[0, 1.5, 0]";
-  view.value["fluid.scheme.negative_pressure"] = "true";
-  EXPECT_FALSE(says(far_off_lines(view, 0), words));
-}
-
 TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {
   CaseView view = wedge();
   view.common.window = 1e-4;
