@@ -111,11 +111,11 @@ std::vector<std::string> blow_lines(const Table& history, const std::vector<std:
   for (const auto& [body, load] : largest)
     if (const auto blow = load.second.empty() ? std::nullopt : blow_of(curve_of(history, load.second)))
       lines.push_back(
-          fmt::format("{}: the peak of {:.3g} at {:.4g} s lasts {} window{} and is {:.0f} times the force "
+          fmt::format("{}: the peak of {:.3g} {} at {:.4g} s lasts {} window{} and is {:.0f} times the force "
                       "around it. Steps and "
                       "spacing do not resolve it; impulses and means over more windows count",
-                      load.second, blow->peak.value, blow->peak.time, blow->windows,
-                      blow->windows == 1 ? "" : "s", blow->times));
+                      load.second, blow->peak.value, history.columns[*history.find(load.second)].unit,
+                      blow->peak.time, blow->windows, blow->windows == 1 ? "" : "s", blow->times));
   return lines;
 }
 

@@ -135,7 +135,7 @@ TEST(HistoryMetrics, APeakThatStandsAloneIsABlow) {
   const std::vector<std::string> columns = {"force.x", "force.y", "moment.z"};
   const auto lines = blow_lines(record_with(-12, 51), columns);
   ASSERT_EQ(lines.size(), 1u) << "the largest component alone, and no moment";
-  EXPECT_NE(lines[0].find("force.y: the peak of -12 at 0.051 s lasts 2 windows and is 12 times"),
+  EXPECT_NE(lines[0].find("force.y: the peak of -12 N at 0.051 s lasts 2 windows and is 12 times"),
             std::string::npos)
       << lines[0];
   EXPECT_TRUE(blow_lines(record_with(12, 60), columns).empty()) << "eleven windows resolve it";
