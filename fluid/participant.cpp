@@ -36,8 +36,11 @@ double largest_speed(const Setup& setup, const TankMotion& tank) {
   return largest;
 }
 
-double extent(const InterfaceMesh& mesh) {
-  return mesh.position.cols() > 0 ? mesh.position.row(0).maxCoeff() - mesh.position.row(0).minCoeff() : 0.0;
+/// Extents of the body along x and z [m].
+Eigen::Vector2d extent(const InterfaceMesh& mesh) {
+  if (mesh.position.cols() == 0) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d size = mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff();
+  return {size.x(), size.z()};
 }
 
 Points initial_velocity(const Setup& setup) {
@@ -83,7 +86,7 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup, const Ranks& ranks)
     : parameters_(parameters),
-      body_length_(extent(setup.partner_mesh)),
+      body_size_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
       start_speeds_{.entry = parameters.submerged ? 0 : largest_speed(setup, parameters.motion),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
@@ -98,7 +101,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     measurements_.probes.push_back(
         is_sensor(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
-  description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_length_);
+  description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_size_[0]);
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
     description_.lines.push_back(std::move(line));

@@ -89,7 +89,7 @@ class FluidParticipant final : public Participant {
   State<dim> read_checkpoint(const std::filesystem::path&, Archive&) const;
 
   Parameters parameters_;
-  double body_length_;  // [m] extent of the interface in x
+  Eigen::Vector2d body_size_;  // [m] extent of the interface along x and z
   Simulation<dim> simulation_;
   /// Largest speeds at t = 0 [m/s].
   struct StartSpeeds {

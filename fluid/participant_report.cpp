@@ -211,12 +211,18 @@ void FluidParticipant<dim>::report_ranks(std::map<std::string, double>& monitor)
   monitor["memory.peak"] = memory;
 }
 
-/// Returns 2ρVa², in space 2ρVa³. Where nothing enters it is the largest impulse so far, or the mass of the
-/// water times the largest speed that the case gives it, where that is more.
+/// Returns 2ρVa², in space 2ρVab min(a, b), a and b being half the body's extents along x and z. Where
+/// nothing enters it is the largest impulse so far, or the mass of the water times the largest speed that the
+/// case gives it, where that is more.
+///
+/// The added mass of a disc is 4/3 ρa³, that of a strip ½πρb² per length: a slender body moves water as its
+/// narrower width does.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
-  const double scale = 2 * parameters_.density * start_speeds_.entry * std::pow(0.5 * body_length_, dim);
+  const Eigen::Vector2d half = 0.5 * body_size_;
+  const double moved = dim == 2 ? half[0] * half[0] : half.prod() * half.minCoeff();
+  const double scale = 2 * parameters_.density * start_speeds_.entry * moved;
   if (scale > 0) return scale;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
   const double own =
@@ -246,7 +252,7 @@ GuardScales FluidParticipant<dim>::guard_scales() const {
           .gravity_ramp = p.gravity_ramp,
           .top = p.water.max.y(),
           .drop = drop_of<dim>(p),
-          .half_width = 0.5 * body_length_,
+          .half_width = 0.5 * body_size_[0],
           .tank_speed = tank_speed(p),
           .water_speed = start_speeds_.water,
           .enters = start_speeds_.entry > 0,

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 // The last lines of a run: results, their files, and the next commands.
@@ -87,6 +88,31 @@ std::vector<std::string> telling_loads(const Json& probes) {
   return loads;
 }
 
+/// The speed and the angle of a rigid body that changed: "body.vy", "left.body.angle". A body that is driven
+/// at one speed has nothing to tell.
+std::vector<std::string> telling_motions(const Json& probes) {
+  constexpr double least = 1e-6;  // of the largest: round-off of a motion that is held
+  std::vector<std::string> motions;
+  std::map<char, double> largest;  // of speeds, of angles
+  const auto kind_of = [](const std::string& name) {
+    const auto dot = name.rfind("body.");
+    if (dot == std::string::npos || (dot > 0 && name[dot - 1] != '.')) return ' ';
+    const std::string what = name.substr(dot + 5);
+    return what.starts_with("angle") ? 'a' : what.size() == 2 && what[0] == 'v' ? 'v' : ' ';
+  };
+  const auto peak_of = [](const Json& entry) { return std::abs(number_of(entry, "peak").value_or(0)); };
+  for (const auto& [name, entry] : probes.items())
+    largest[kind_of(name)] = std::max(largest[kind_of(name)], peak_of(entry));
+  for (const auto& [name, entry] : probes.items()) {
+    const char kind = kind_of(name);
+    const double change =
+        std::abs(number_of(entry, "peak").value_or(0) - number_of(entry, "final").value_or(0));
+    const bool changes = kind == 'a' ? peak_of(entry) > 0 : change > least * largest[kind];
+    if (kind != ' ' && changes && peak_of(entry) > least * largest[kind]) motions.push_back(name);
+  }
+  return motions;
+}
+
 void add_found(const Json& probes, const RunHeader& header, const Style& style,
                std::vector<std::string>& lines) {
   std::vector<std::pair<std::string, std::string>> found;
@@ -96,6 +122,11 @@ void add_found(const Json& probes, const RunHeader& header, const Style& style,
         found.emplace_back(visible(column.name), visible(text));
   for (const std::string& load : telling_loads(probes))
     found.emplace_back(load, found_text(probes[load], style));
+  for (const std::string& motion : telling_motions(probes)) {
+    Json entry = probes[motion];
+    entry["first_peak"] = nullptr;
+    found.emplace_back(visible(motion), found_text(entry, style));
+  }
   std::size_t width = 0;
   for (const auto& [name, text] : found) width = std::max(width, name.size());
   for (std::size_t k = 0; k < found.size(); ++k)
@@ -122,6 +153,8 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
                                    counted(summary.taken_back(), "window") + " taken back for shorter ones"));
   for (const Verdict& verdict : summary.verdicts) lines.push_back("  " + verdict_text(verdict, style));
   add_found(json["probes"], header, style, lines);
+  for (const std::string& blow : summary.blows())
+    lines.push_back("  " + painted(style, "33", "blow") + "    " + visible(blow));
   add_alarms(summary, style, lines);
   add_checks(json["checks"], lines);
   if (end.profile != nullptr)

@@ -23,6 +23,7 @@ struct NewAnswers {
   std::string solver;          // empty: the first of the kind
   std::filesystem::path mesh;  // of the kind "mesh", from the working folder
   std::string mesh_text;       // the same from the case file's folder
+  std::string up = "y";        // axis of the file that points up: y, or z as in many ships' files
 
   double value(const std::string& name) const { return number.at(name); }
 };

@@ -4,6 +4,7 @@
 #include "coupler/new_case/mesh_extent.hpp"
 #include "coupler/new_case/rigid_parts.hpp"
 #include "coupler/new_case/scenes.hpp"
+#include "proto/error.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -37,6 +39,17 @@ void round_up(NewScene& s) {
   };
   for (double* x : {&s.left, &s.right, &s.back, &s.front, &s.bottom, &s.top}) round(*x);
   s.water_right = s.right;
+}
+
+/// Turns a file whose z points up, (x, y, z) → (x, z, −y): by −90 degrees about x.
+void turn_up(MeshExtent& mesh) {
+  if (!(mesh.max[2] > mesh.min[2]))
+    throw Error(ExitCode::command_line, "strake new mesh --up z",
+                "expected y: the file lies in the plane z = 0", "leave --up out");
+  std::swap(mesh.min[1], mesh.min[2]);
+  std::swap(mesh.max[1], mesh.max[2]);
+  std::swap(mesh.min[2], mesh.max[2]);
+  for (double* z : {&mesh.min[2], &mesh.max[2]}) *z = -*z;
 }
 
 /// Moves tank and water to the mesh, which keeps its place.
@@ -76,6 +89,8 @@ NewScene mesh_scene(const NewAnswers& answers) {
   const double scale = answers.value("scale");
   for (double& x : mesh.min) x *= scale;
   for (double& x : mesh.max) x *= scale;
+  const bool turned = answers.up == "z";
+  if (turned) turn_up(mesh);
   const double wide_x = mesh.max[0] - mesh.min[0], wide_z = mesh.max[2] - mesh.min[2],
                width = std::max(wide_x, wide_z), height = mesh.max[1] - mesh.min[1],
                speed = answers.value("speed");
@@ -101,6 +116,11 @@ NewScene mesh_scene(const NewAnswers& answers) {
   CaseLines lines = rigid_body(answers, s.dimension);
   lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
   lines.number("placed.scale", scale, "factor on its lengths: 1 in m, 0.001 in mm");
+  if (turned)
+    lines.number("placed.angle", -90, "deg, about placed.axis: the file's z points up")
+        .key("placed.axis", "[1.0, 0.0, 0.0]", "the file's x");
+  else if (s.dimension == 3)
+    lines.comment("The file's y points up. A file whose z does: strake new mesh --up z.");
   s.body = lines.str();
   return s;
 }

@@ -13,6 +13,11 @@ void add_new_options(CLI::App& command, NewOptions& options) {
     one->add_option("-o", options.out, "the case file, default " + kind.name + ".toml")->type_name("FILE");
     if (kind.mesh)
       one->add_option("MESH,--mesh", options.answers.mesh, "mesh file")->type_name("FILE")->required();
+    if (kind.mesh)
+      one->add_option("--up", options.answers.up,
+                      "axis of the file that points up, default y; it is turned so")
+          ->check(CLI::IsMember(std::vector<std::string>{"y", "z"}))
+          ->type_name("y|z");
     if (kind.solvers.size() > 1)
       one->add_option("--solver", options.answers.solver, "of the body, default " + kind.solvers.front())
           ->check(CLI::IsMember(kind.solvers))

@@ -77,6 +77,7 @@ NewAnswers ask_answers(const NewKind& kind, std::istream& answers, std::ostream&
     questions << "mesh file: " << std::flush;
     given.mesh = answer_line(answers);
   }
+  if (kind.mesh) given.up = ask_choice("axis of the file that points up", {"y", "z"}, answers, questions);
   if (kind.solvers.size() > 1)
     given.solver = ask_choice("solver of the body", kind.solvers, answers, questions);
   for (const NewNumber& number : kind.numbers)

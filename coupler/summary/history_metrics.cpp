@@ -3,6 +3,7 @@
 #include "coupler/compare/record.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +22,43 @@ bool is_account(const std::string& column) {
   return std::any_of(names.begin(), names.end(), [&](const char* name) { return column == name; }) ||
          std::any_of(prefixes.begin(), prefixes.end(),
                      [&](const char* prefix) { return column.starts_with(prefix); });
+}
+
+double median_of_size(std::vector<double> values) {
+  if (values.empty()) return 0;
+  for (double& value : values) value = std::abs(value);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A peak that stands alone.
+struct Blow {
+  CurvePoint peak;
+  std::ptrdiff_t windows = 0;  // with half of it or more
+  double times = 0;            // what is around it
+};
+
+std::optional<Blow> blow_of(const Curve& curve) {
+  constexpr std::ptrdiff_t most_windows = 5, around = 20;
+  constexpr double least_times = 3, contact = 0.01;  // of the peak; less before it: the body was in the air
+  const std::vector<double>& f = curve.value;
+  const auto size = std::ssize(f);
+  if (size == 0) return std::nullopt;
+  const auto largest =
+      std::max_element(f.begin(), f.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const double half = 0.5 * std::abs(*largest);
+  std::ptrdiff_t first = largest - f.begin(), last = first + 1;
+  while (first > 0 && std::abs(f[static_cast<std::size_t>(first - 1)]) >= half) --first;
+  while (last < size && std::abs(f[static_cast<std::size_t>(last)]) >= half) ++last;
+  const double before = median_of_size(
+                   {f.begin() + std::max<std::ptrdiff_t>(0, first - around), f.begin() + first}),
+               after = median_of_size({f.begin() + last, f.begin() + std::min(size, last + around)});
+  const double rest = std::max(before, after);
+  if (last - first > most_windows || before < contact * 2 * half || least_times * rest > 2 * half)
+    return std::nullopt;
+  return Blow{
+      {curve.time[static_cast<std::size_t>(largest - f.begin())], *largest}, last - first, 2 * half / rest};
 }
 
 }  // namespace
@@ -55,6 +93,30 @@ std::map<std::string, double> metrics_of_column(const Table& history, const std:
   if (is_load(column) && curve.time.back() >= *contact + impulse_time)
     metrics["impulse"] = impulse(curve, *contact, *contact + impulse_time);
   return metrics;
+}
+
+std::vector<std::string> blow_lines(const Table& history, const std::vector<std::string>& columns) {
+  std::map<std::string, std::pair<double, std::string>> largest;  // of each body: peak, column
+  for (const std::string& column : columns) {
+    const auto dot = column.rfind("force.");
+    if (!is_load(column) || dot == std::string::npos) continue;
+    const auto found = peak(curve_of(history, column));
+    auto& [value, name] = largest[column.substr(0, dot)];
+    if (found && std::abs(found->value) > value) {
+      value = std::abs(found->value);
+      name = column;
+    }
+  }
+  std::vector<std::string> lines;
+  for (const auto& [body, load] : largest)
+    if (const auto blow = load.second.empty() ? std::nullopt : blow_of(curve_of(history, load.second)))
+      lines.push_back(
+          fmt::format("{}: the peak of {:.3g} {} at {:.4g} s lasts {} window{} and is {:.0f} times the force "
+                      "around it. Steps and "
+                      "spacing do not resolve it; impulses and means over more windows count",
+                      load.second, blow->peak.value, history.columns[*history.find(load.second)].unit,
+                      blow->peak.time, blow->windows, blow->windows == 1 ? "" : "s", blow->times));
+  return lines;
 }
 
 Eigen::Vector3d moment_about_middle(const Points& position, const Eigen::Ref<const Points>& displacement,

@@ -21,6 +21,12 @@ std::vector<std::string> columns_without_record(const Table& history,
 std::map<std::string, double> metrics_of_column(const Table& history, const std::string& column,
                                                 std::optional<double> contact);
 
+/// A line for each force on a body, its largest component, whose peak is a blow. It lasts at most five
+/// windows with half of it or more, and is three times the median of the twenty windows before it, and of
+/// those after it. Water that closes on itself or on a face is stopped within a step: such a peak is as high
+/// as the step is short. A peak that begins with the contact is none: the windows before it are empty.
+std::vector<std::string> blow_lines(const Table& history, const std::vector<std::string>& columns);
+
 /// M = Σ (x_i − c) × f_i, the moment of the forces on a body's points about its middle [N m; 2-D: N m per m].
 /// position: where the points were at t = 0, 3 x n. displacement, force: 3 x n. c: the middle of the box
 /// round `position`, moved by the points' mean displacement.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace strake {
 namespace {
@@ -41,11 +42,23 @@ std::optional<std::string> layers_line(const CaseView& view) {
                      volume ? "smaller fluid.spacing" : "smaller structure.particle.spacing");
 }
 
-/// The part of a body that is wet at the end: half its width [m], and the mean slope of its face. The slope
-/// is 0 where the width has grown no more: the jet has left the face there.
+/// The part of a body that is wet at the end: half its width [m], and the mean slope of its face where the
+/// water got that far. `left`: the width grows no more, the jet has left the face before the end.
 struct Wetted {
   double half = 0, slope = 0;
+  bool left = false;
 };
+
+/// The least rise [m] of the water that wets half a width, up to a given rise; by bisection.
+double rise_that_wets(const InterfaceMesh& body, double lowest, double half, double rise) {
+  double low = 0, high = rise;
+  constexpr int halvings = 30;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (half_width_below(body, lowest + middle) < (1 - 1e-6) * half ? low : high) = middle;
+  }
+  return high;
+}
 
 /// Nothing where the body does not come down on the water; half = 0 where it does not reach it. Water rises
 /// along an inclined face by π/2 of the depth (Wagner 1932).
@@ -59,8 +72,9 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& b
   const double depth = speed * view.common.end_time - (lowest - level);
   if (!(depth > 0)) return Wetted{};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
+  if (!(half > 0)) return Wetted{};
   const bool grows = half > 1.01 * half_width_below(body, lowest + 0.95 * rise);
-  return Wetted{half, grows ? rise / half : 0};
+  return Wetted{half, (grows ? rise : rise_that_wets(body, lowest, half, rise)) / half, !grows};
 }
 
 std::string width_line(const Wetted& wetted, double spacing) {
@@ -73,13 +87,14 @@ std::string width_line(const Wetted& wetted, double spacing) {
                      count >= fine ? 0 : 1, wetted.half, judged);
 }
 
-/// Spacings across the jet at the end; nothing for faces without a thin jet. A jet thinner than a spacing
-/// takes one particle after the other, and the force rises and falls with each (cases/VALIDATION.md, "Wedges
-/// and V sections at steps that resolve sound").
+/// Spacings across the jet at the end, or where it leaves the face; nothing for faces without a thin jet. A
+/// jet thinner than a spacing takes one particle after the other, and the force rises and falls with each
+/// (cases/VALIDATION.md, "Wedges and V sections at steps that resolve sound").
 std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
   if (!(wetted.half > 0) || !(wetted.slope > level_slope) || !(wetted.slope <= 1)) return std::nullopt;
   const double jet = jet_thickness(wetted.half, wetted.slope);
-  const std::string count = fmt::format("{:.2g} spacings through the jet", jet / spacing);
+  const std::string count = fmt::format("{:.2g} spacings through the jet{}", jet / spacing,
+                                        wetted.left ? " as it leaves the face" : "");
   if (jet >= spacing) return count + ": the force scatters by some 10 % about its mean";
   return fmt::format(
       "{}: the force scatters by up to 60 % about its mean, by 10 % with fluid.spacing = {:.2g}", count, jet);
@@ -138,9 +153,39 @@ double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) 
   return high > low ? 0.5 * (high - low) : 0;
 }
 
+/// Half the width of the widest of several hulls [m]; 0 where a body has one. Hulls are parts of a body in
+/// the plane whose outline a level surface at height y cuts apart. Where the body lies below the gap between
+/// two parts they are one, as the sides of a hollow V. Between the crossings of even and odd number lies the
+/// body.
+double half_width_of_hulls(const InterfaceMesh& body, double y) {
+  std::vector<double> crossings;
+  for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
+    const Eigen::Vector3d a = body.position.col(body.faces(0, f)), b = body.position.col(body.faces(1, f));
+    if ((a.y() <= y) != (b.y() <= y))
+      crossings.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+  }
+  if (crossings.size() < 4 || crossings.size() % 2 != 0) return 0;
+  std::sort(crossings.begin(), crossings.end());
+  double widest = 0, left = crossings.front();
+  int hulls = 1;
+  for (std::size_t k = 1; k < crossings.size(); k += 2) {
+    const double right = crossings[k];
+    widest = std::max(widest, right - left);
+    if (k + 1 == crossings.size()) break;
+    const auto below = [&](const auto& X) { return X[1] <= y && X[0] > right && X[0] < crossings[k + 1]; };
+    bool joined = false;
+    for (Eigen::Index i = 0; i < body.position.cols(); ++i) joined = joined || below(body.position.col(i));
+    if (joined) continue;
+    left = crossings[k + 1];
+    ++hulls;
+  }
+  return hulls > 1 ? 0.5 * widest : 0;
+}
+
 }  // namespace
 
 double half_width_below(const InterfaceMesh& body, double y) {
+  if (const double hulls = body.dimension == 2 ? half_width_of_hulls(body, y) : 0; hulls > 0) return hulls;
   const double along_x = half_width_along(body, y, 0);
   return body.dimension == 3 ? std::min(along_x, half_width_along(body, y, 2)) : along_x;
 }

@@ -15,7 +15,8 @@ namespace strake {
 std::vector<std::string> resolution_lines(const CaseView&, const InterfaceMesh& body, const Points& velocity);
 
 /// Half the width of the part of a body that a level water surface at height y would wet [m]. It is that
-/// along x. In space it is the smaller one of those along x and z, which decides the force on a slender body.
+/// along x, of several hulls that of the widest. In space it is the smaller one of those along x and z, which
+/// decides the force on a slender body.
 double half_width_below(const InterfaceMesh& body, double y);
 
 /// Thickness of the jet of a wedge at half-wetted width `c` [m]: δ = c tan²β/(2π). slope: tan β of the

@@ -131,6 +131,7 @@ void Summary::drop_peaks_before_contact() {
 void Summary::take_history(const Table& history) {
   const double contact = contact_time();
   of_history_ = columns_without_record(history, probes_);
+  blows_ = blow_lines(history, of_history_);
   for (const std::string& column : of_history_)
     for (const auto& [metric, value] :
          metrics_of_column(history, column, std::isfinite(contact) ? std::optional(contact) : std::nullopt))
@@ -198,7 +199,9 @@ Json Summary::json() const {
   json["alarms"] = Json::array();
   for (const RaisedAlarm& alarm : alarms()) json["alarms"].push_back(json_of(alarm));
 
-  json["resolution"] = resolution;
+  std::vector<std::string> resolved = resolution;
+  resolved.insert(resolved.end(), blows_.begin(), blows_.end());
+  json["resolution"] = resolved;
   json["failure"] = failure_json(structure_, bodies);
 
   json["compare"] = Json::array();

@@ -40,6 +40,8 @@ class Summary {
   long unconverged() const { return unconverged_; }
   long taken_back() const { return taken_back_; }  // windows that were tried in vain before shorter ones
   double work_gap() const { return work_gap_; }
+  /// Peaks of forces that stand alone, in words (history_metrics.hpp).
+  const std::vector<std::string>& blows() const { return blows_; }
   /// "<probe>:<metric>" as last reported, for `judge`.
   const std::map<std::string, double>& probe_results() const { return results_; }
 
@@ -61,7 +63,8 @@ class Summary {
   int max_iterations_ = 0;
   double work_gap_ = 0;
   bool coupled_ = false;
-  std::vector<std::string> probes_;          // in the order of their first mention
+  std::vector<std::string> probes_;  // in the order of their first mention
+  std::vector<std::string> blows_;
   std::vector<std::string> of_history_;      // without a record: force.y, moment.z …
   std::map<std::string, std::string> unit_;  // of columns
   std::map<std::string, double> results_;

@@ -215,7 +215,8 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, bool
   t.flag(
       "negative_pressure", s.negative_pressure,
       {.paper = false,
-       .help = "false: no tension near a free surface, below it at most rho u^2; a closed tank has it all"});
+       .help = "false: no tension near a free surface, below it at most rho u^2, or the atmosphere where a "
+               "submerged body rises; a closed tank has it all"});
   read_anti_penetration(t.table("anti_penetration", "water that comes too near a solid"), s);
   read_pressure(t.table("pressure", "how the pressure equation is solved"), s);
   t.number("shifting", s.shifting,

@@ -2,15 +2,36 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 namespace strake::fluid {
+namespace {
+
+/// Whether a body rises in the water that it stood in at the start, in a tank at rest. The mean velocity of
+/// its points against gravity exceeds 0.001 √(g l0).
+///
+/// The suction under a body that is lifted is m_a dV/dt per area, m_a its added mass: some ρ a dV/dt, a the
+/// half width. While it starts, ρ u² is far smaller, and the water would let go of it.
+template <int dim>
+bool rises(const Parameters& p, const Vector<dim>& gravity, const State<dim>& state) {
+  constexpr double least = 1e-3;
+  if (!p.submerged || p.motion.moves() || state.interface_velocity.cols() == 0) return false;
+  const double g = gravity.norm();
+  const Vector<dim> up = g > 0 ? Vector<dim>(-gravity / g) : Vector<dim>(Vector<dim>::Unit(1));
+  const Vector<dim> mean = state.interface_velocity.rowwise().mean();
+  return mean.dot(up) > least * std::sqrt(g * p.spacing);
+}
+
+}  // namespace
 
 template <int dim>
 void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State<dim>& state,
                                             const Neighbours& far) {
   const std::int64_t water = boundary.water();
   const LeastSquaresConstants& tuned = least_squares_constants();
-  const double most = std::min(tuned.largest_tension, p_.density * now_.largest_speed * now_.largest_speed);
+  const double of_speed = p_.density * now_.largest_speed * now_.largest_speed;
+  const double most =
+      rises<dim>(p_, now_.gravity, state) ? tuned.largest_tension : std::min(tuned.largest_tension, of_speed);
   equation_.tension = false;
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
   // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace strake {
 namespace {
@@ -60,6 +61,23 @@ bool may_move(const CaseFile& file, const CommonKeys& keys) {
   return is_elastic(keys) && !file.has("structure.plate.supports") && !file.has("structure.box");
 }
 
+/// Whether a body of boxes stands on an edge or a corner: [structure.placed] turns all of its faces by more
+/// than one degree out of the level. Three directions are normal to faces; the turn by angle φ about the unit
+/// axis a gives each the height cos φ δ_iy + sin φ (a × e_i)_y + (1 − cos φ) a_i a_y (Rodrigues).
+bool is_turned(const CaseFile& file) {
+  const double turn = first_of(file, "structure.placed.angle", 0) * std::numbers::pi / 180;
+  std::vector<double> axis = file.numbers_at("structure.placed.axis");
+  if (axis.size() != 3) axis = {0, 0, 1};
+  const double norm = norm_of(file, "structure.placed.axis", 1);
+  if (turn == 0 || norm == 0) return false;
+  const double a = axis[0] / norm, b = axis[1] / norm, c = axis[2] / norm, s = std::sin(turn),
+               t = 1 - std::cos(turn);
+  const double level = std::cos(std::numbers::pi / 180);
+  for (const double height : {c * s + a * b * t, 1 - t + b * b * t, -a * s + b * c * t})
+    if (std::abs(height) >= level) return false;
+  return true;
+}
+
 /// Whether the body may meet the water with a level face: a plate or box that moves. So may a body that only
 /// its own program, or an earlier run, knows.
 bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
@@ -67,9 +85,9 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   if (file.only_declares()) return true;
   if (solver == "none") return false;
   if (!is_elastic(keys) && solver != "rigid") return true;
-  for (const char* shape : {"mesh", "outline", "wedge", "cylinder", "sphere"})
+  for (const char* shape : {"mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (file.has(std::string("structure.") + shape)) return false;
-  if (norm_of(file, "structure.plate.angle", 0) > 0) return false;
+  if (norm_of(file, "structure.plate.angle", 0) > 0 || is_turned(file)) return false;
   return !file.is_true("fluid.submerged") && may_move(file, keys);
 }
 

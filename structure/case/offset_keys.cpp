@@ -124,11 +124,4 @@ std::vector<Eigen::Vector2d> read_offsets(const CaseFile& file, CaseTable t) {
   return corner;
 }
 
-void place_section(CaseTable t, Parameters& p, const Eigen::Matrix3d& map, const Eigen::Vector3d& move) {
-  for (Eigen::Vector2d& corner : p.shape.corner) corner = map.topLeftCorner<2, 2>() * corner + move.head<2>();
-  if (p.dimension == 3) p.shape.middle = move.z();
-  if (const PolygonFault fault = polygon_fault(p.shape.corner, p.surface_spacing); !fault.problem.empty())
-    throw t.error("offsets", "a section that is a closed outline: " + fault.problem, fault.fix);
-}
-
 }  // namespace strake::structure

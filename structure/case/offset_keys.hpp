@@ -14,7 +14,4 @@ namespace strake::structure {
 /// a deck. Empty: the keys are not given. Throws Error(case_file) with the table's file and row.
 std::vector<Eigen::Vector2d> read_offsets(const CaseFile&, CaseTable structure);
 
-/// Places that section by structure.placed, x ↦ map x + move, and refuses an outline that is no body.
-void place_section(CaseTable structure, Parameters&, const Eigen::Matrix3d& map, const Eigen::Vector3d& move);
-
 }  // namespace strake::structure

@@ -88,13 +88,11 @@ void check_outline(CaseTable structure, const Parameters& p, const std::string& 
           fmt::format("structure.surface_spacing = {:.6g}", 0.25 * shape.radius));
     return;
   }
-  const PolygonFault fault = polygon_fault(shape.corner, p.surface_spacing);
-  if (fault.problem.empty()) return;
-  if (shape.kind == ShapeKind::polygon)
-    throw structure.error("outline", "a closed polygon that does not cross itself: " + fault.problem,
+  // Sections are checked once they are placed.
+  if (!p.plate.hollow) return;
+  if (const PolygonFault fault = polygon_fault(shape.corner, p.surface_spacing); !fault.problem.empty())
+    throw structure.error("plate", "a plate that the surface's points can resolve: " + fault.problem,
                           fault.fix);
-  throw structure.error("wedge", "a wedge that the surface's points can resolve: " + fault.problem,
-                        fault.fix);
 }
 
 /// A free motion is not prescribed as well, by table or speed.
@@ -257,7 +255,7 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   if (solid && !sphere && (!body || tilted) && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
   if (!solid) p.shape.depth = p.shape.middle = 0;
-  if (!body && !t.has("offsets")) check_outline(t, p, given.empty() ? "plate" : given[0]);
+  if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }
 
 void read_initial_velocity(const CaseFile& file, CaseTable structure, Parameters& p) {

@@ -1,11 +1,10 @@
 #include "structure/case/solid_keys.hpp"
 
 #include "proto/mesh_files/stl.hpp"
-#include "structure/case/offset_keys.hpp"
+#include "structure/case/placing.hpp"
 #include "structure/case/surface_keys.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -220,38 +219,6 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
 
 namespace {
 
-/// x ↦ R (s x) + move: R turns about the axis through the origin.
-struct Placing {
-  double scale = 1, angle = 0;  // angle in degrees
-  Eigen::Vector3d axis = {0, 0, 1}, move = {0, 0, 0};
-};
-
-/// `section`: the body is one of structure.offsets.
-Placing read_placing(CaseTable t, const Parameters& p, bool section, bool all) {
-  Placing placing;
-  t.number("scale", placing.scale, positive("1", "factor on all lengths, first: 0.001 for a mesh in mm"));
-  t.number(
-      "angle", placing.angle,
-      {.unit = "deg",
-       .min = -360,
-       .max = 360,
-       .help = "turn about the axis through the origin, counter-clockwise, second; particles stay on their "
-               "lattice, which is not turned"});
-  t.vector("axis", placing.axis, {.help = "of the turn; two dimensions: z alone"});
-  t.vector("move", placing.move, {.unit = "m", .help = "shift, last"});
-  if (placing.axis.norm() == 0) throw t.error("axis", "a direction", "axis = [0, 0, 1]");
-  if (all) return placing;
-  const bool turned = placing.angle != 0;
-  const bool plate = !section && (p.shape.kind != ShapeKind::solid || p.plate.angle != 0);
-  if (plate && (turned || placing.scale != 1 || !placing.move.isZero()))
-    throw t.error(turned               ? "angle"
-                  : placing.scale != 1 ? "scale"
-                                       : "move",
-                  "nothing: it belongs to a body of structure.mesh, structure.box or structure.offsets",
-                  "a plate at an angle: structure.plate.angle");
-  return placing;
-}
-
 /// A plate as a box, before it is turned.
 Solid solid_of_plate(const Parameters& p) {
   const Plate& plate = p.plate;
@@ -263,35 +230,6 @@ Solid solid_of_plate(const Parameters& p) {
   box.support[1] = plate.right;
   return solid_of_boxes(p.dimension, {box});
 }
-
-/// The turn about the middle of the lower face.
-Placing tilt_of(const Plate& plate) {
-  Placing placing{.angle = plate.angle};
-  const double turn = plate.angle * std::numbers::pi / 180;
-  const Eigen::Matrix3d R = Eigen::AngleAxisd(turn, placing.axis).toRotationMatrix();
-  placing.move = plate.bottom - R * plate.bottom;
-  return placing;
-}
-
-Eigen::Matrix3d turn_of(const Placing& placing) {
-  const double turn = placing.angle * std::numbers::pi / 180;
-  return Eigen::AngleAxisd(turn, placing.axis.normalized()).toRotationMatrix();
-}
-
-void place(Solid& solid, const Placing& placing) {
-  const Eigen::Matrix3d R = turn_of(placing);
-  solid.node = ((placing.scale * R) * solid.node).colwise() + placing.move;
-  if (solid.dimension == 2) solid.node.row(2).setZero();
-  solid.turn = R;
-  const Eigen::Vector3d move = R.transpose() * placing.move;  // along the boxes' own axes
-  for (int axis = 0; axis < 3; ++axis)
-    for (double& plane : solid.plane.at(static_cast<std::size_t>(axis)))
-      plane = placing.scale * plane + move[axis];
-}
-
-}  // namespace
-
-namespace {
 
 /// [[structure.box]] with all copies, and the initial velocity of each.
 std::vector<SolidBox> read_boxes(CaseTable t, const Parameters& p, std::vector<Eigen::Vector3d>& velocity) {
@@ -336,13 +274,11 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
                 "faces; or "
                 "the closed surface of a rigid body in space: STL (.stl, text or binary), lengths in m or "
                 "placed.scale = 0.001"});
-  const Placing placing = read_placing(
-      t.table("placed", "where a body of structure.mesh, structure.box or structure.offsets goes"), p,
-      t.has("offsets"), all);
-  if (!all && t.has("offsets")) place_section(t, p, placing.scale * turn_of(placing), placing.move);
+  const Placing placing = read_placing(t, p, all);
+  if (!all) place_section(t, p, placing);
   const bool body = p.shape.kind == ShapeKind::solid;
   if (!all && is_stl(mesh)) {
-    read_surface_body(t, p, mesh, placing.scale * turn_of(placing), placing.move);
+    read_surface_body(t, p, mesh, placing.map(), placing.move);
     return;
   }
   if (!all && !mesh.empty()) check_ending(t, mesh);

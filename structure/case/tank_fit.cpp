@@ -86,7 +86,7 @@ void refuse_outside_tank(const CaseFile& file, const CaseTable& structure, const
               body.max[d] > tank->max[d] + slack * p.fluid_spacing;
   if (!outside) return;
   const std::string key = form_key(structure);
-  const bool movable = key == "mesh" || key == "box" || key == "offsets";
+  const bool movable = key != "plate" && key != "cylinder" && key != "sphere" && key != "solver";
   const bool in_mm =
       movable && largest(body, *tank, p.dimension) > far_larger * largest(*tank, *tank, p.dimension);
   throw structure.error(key,

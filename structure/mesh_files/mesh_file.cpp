@@ -139,7 +139,7 @@ class MeshReader {
     const auto *one = element(overlaps.first.first), *other = element(overlaps.first.second);
     const Vector3d& X = overlaps.place;
     const std::string more =
-        overlaps.cells > 2 ? fmt::format("; cells with their middle in another: {}", overlaps.cells) : "";
+        overlaps.cells > 2 ? fmt::format("; cells that reach into another: {}", overlaps.cells) : "";
     throw wrong(
         other->line,
         one->number == other->number

@@ -136,10 +136,14 @@ SparseRows interpolation(const Lattice<dim>& lattice, const Points& at) {
     const Cells<dim> cells = cells_around<dim>(lattice, s);
     const Eigen::VectorXd weight = fitted<dim>(cells, s);
     if (weight.size() == 0)
-      throw Error(ExitCode::case_file, "structure, particle",
-                  fmt::format("the place ({:.6g}, {:.6g}, {:.6g}) m has no particles around it", at(0, p),
-                              at(1, p), at(2, p)),
-                  "choose a place in the body");
+      throw Error(
+          ExitCode::case_file, "structure, particle",
+          fmt::format("the place ({:.6g}, {:.6g}, {:.6g}) m has too few particles around it: the body is "
+                      "too thin there for particles {:.4g} m apart",
+                      at(0, p), at(1, p), at(2, p), lattice.spacing),
+          fmt::format("structure.particle.spacing = {:.3g}, or smaller: four layers across the "
+                      "thickness (where coupling.interface = \"volume\" it is fluid.spacing)",
+                      0.5 * lattice.spacing));
     for (std::size_t k = 0; k < cells.size(); ++k) add(cells[k], weight[static_cast<Index>(k)]);
   }
   SparseRows N(at.cols(), lattice.size());

@@ -62,6 +62,31 @@ TEST(Resolution, TheNarrowerWidthOfABodyInSpaceCounts) {
   EXPECT_NEAR(half_width_below(strip, 0.01), 1, 1e-12);
 }
 
+// Two hulls 0.2 m wide, 0.6 m apart, under a deck: what lies between them is air.
+TEST(Resolution, TheWidthOfACatamaranIsThatOfAHull) {
+  InterfaceMesh catamaran;
+  catamaran.dimension = 2;
+  catamaran.position.setZero(3, 8);
+  catamaran.position.topRows(2) << -0.5, -0.3, -0.3, 0.3, 0.3, 0.5, 0.5, -0.5,  //
+      0, 0, 0.2, 0.2, 0, 0, 0.3, 0.3;
+  catamaran.faces.resize(2, 8);
+  for (int k = 0; k < 8; ++k) catamaran.faces.col(k) << k, (k + 1) % 8;
+  EXPECT_NEAR(half_width_below(catamaran, 0.1), 0.1, 1e-12);
+  EXPECT_NEAR(half_width_below(catamaran, 0.25), 0.5, 1e-12) << "the deck is wet";
+}
+
+// Its inner faces are dry. A level surface crosses its outline four times, as that of two hulls.
+TEST(Resolution, AHollowWedgeIsOneHull) {
+  InterfaceMesh shell;
+  shell.dimension = 2;
+  shell.position.setZero(3, 6);
+  shell.position.topRows(2) << 0, 0.25, 0.25, 0, -0.25, -0.25,  //
+      0, 0.1, 0.11, 0.01, 0.11, 0.1;
+  shell.faces.resize(2, 6);
+  for (int k = 0; k < 6; ++k) shell.faces.col(k) << k, (k + 1) % 6;
+  EXPECT_NEAR(half_width_below(shell, 0.05), 0.125, 1e-12);
+}
+
 TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
   const std::string words = "does not reach the water";
@@ -80,8 +105,16 @@ TEST(Resolution, CountsSpacingsThroughTheJet) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "0.3 spacings"));
   EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "= 0.0024"));
   EXPECT_TRUE(says(resolution_lines(case_with(0.002, 0.006), wedge.mesh, wedge.velocity), "1.2 spacings"));
-  EXPECT_FALSE(says(resolution_lines(case_with(0.008, 0.012), wedge.mesh, wedge.velocity), "jet"))
-      << "the chines are wet";
+}
+
+// At the chines c = 0.25 m: δ = 0.25 tan² 15° / 2π = 2.86 mm, however long the run goes on.
+TEST(Resolution, CountsSpacingsThroughTheJetThatLeavesTheFace) {
+  const Wedge wedge(0.25, std::tan(std::numbers::pi / 12));
+  for (const double end_time : {0.008, 0.012, 1.0})
+    EXPECT_TRUE(says(resolution_lines(case_with(0.008, end_time), wedge.mesh, wedge.velocity),
+                     "0.36 spacings through the jet as it leaves the face"));
+  const Wedge flat(0.25, 0);
+  EXPECT_FALSE(says(resolution_lines(case_with(0.008, 0.012), flat.mesh, flat.velocity), "jet"));
 }
 
 TEST(Resolution, SaysThatOneSpacingIsNotCheckedAgainstASecond) {

@@ -117,6 +117,35 @@ TEST(Summary, TellsForceAndMomentAndForeignColumnsFromTheHistory) {
   EXPECT_TRUE(json["floor.y"]["impulse"].is_null()) << "of a length there is none";
 }
 
+/// A record of 100 windows of 1 ms: 0 for 20, then the force 1, with `blow` in the windows from 50 to `last`.
+Table record_with(double blow, int last) {
+  Table history;
+  history.columns = {{"time", "s"}, {"force.x", "N"}, {"force.y", "N"}, {"moment.z", "N m"}};
+  history.value.resize(4);
+  for (int k = 0; k < 100; ++k) {
+    history.value[0].push_back(1e-3 * (k + 1));
+    history.value[1].push_back(k == 30 ? 0.5 : 0);
+    history.value[2].push_back(k >= 50 && k <= last ? blow : k < 20 ? 0 : 1);
+    history.value[3].push_back(k == 50 ? 1e6 : 0);
+  }
+  return history;
+}
+
+TEST(HistoryMetrics, APeakThatStandsAloneIsABlow) {
+  const std::vector<std::string> columns = {"force.x", "force.y", "moment.z"};
+  const auto lines = blow_lines(record_with(-12, 51), columns);
+  ASSERT_EQ(lines.size(), 1u) << "the largest component alone, and no moment";
+  EXPECT_NE(lines[0].find("force.y: the peak of -12 N at 0.051 s lasts 2 windows and is 12 times"),
+            std::string::npos)
+      << lines[0];
+  EXPECT_TRUE(blow_lines(record_with(12, 60), columns).empty()) << "eleven windows resolve it";
+  EXPECT_TRUE(blow_lines(record_with(2.5, 50), columns).empty()) << "scatter";
+  Table contact = record_with(1, 50);
+  contact.value[2][20] = 12;
+  EXPECT_TRUE(blow_lines(contact, columns).empty()) << "the first contact";
+  EXPECT_TRUE(blow_lines(Table{}, columns).empty());
+}
+
 TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {
   Points x(3, 3), u = Points::Zero(3, 3), f = Points::Zero(3, 3);
   x << -1, 0.5, 1, 0, 0, 0, 0, 0, 0;

@@ -60,6 +60,23 @@ TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
   EXPECT_FALSE(read_with(with(plate, {"fluid.submerged=true"})).chosen.level);
 }
 
+TEST(WindowChoice, ASectionOrAnInclinedBoxHasNoLevelFace) {
+  const Sets box = {"structure.box=[{min=[0,0.1],max=[1,0.2]}]", "structure.velocity=[0,-6]"};
+  const auto turned = [&box](const std::string& placed) {
+    return read_with(with(box, {"structure.placed=" + placed})).chosen.level;
+  };
+  EXPECT_FALSE(
+      read_with({"structure.solver=rigid", "structure.offsets=hull.csv", "structure.velocity=[0,-5]"})
+          .chosen.level);
+  EXPECT_FALSE(turned("{angle=20}"));
+  EXPECT_FALSE(turned("{angle=-20, axis=[1,0,1]}"));
+  EXPECT_TRUE(turned("{angle=0.5}"));
+  EXPECT_TRUE(turned("{angle=90}"));
+  EXPECT_TRUE(turned("{angle=180, axis=[1,0,0]}"));
+  EXPECT_TRUE(turned("{angle=30, axis=[0,1,0]}"));
+  EXPECT_TRUE(turned("{angle=120, axis=[1,1,1]}")) << "x, y and z change places";
+}
+
 TEST(WindowChoice, FollowsSpacingAndSpeed) {
   EXPECT_EQ(window_with(wedge), 1e-4) << "0.05 l0/V";
   EXPECT_EQ(window_with(with(wedge, {"fluid.spacing=0.005"})), 5e-5);

@@ -59,6 +59,32 @@ TEST(BodyKeys, ABodyOfBoxesIsScaledThenTurnedThenMoved) {
   refuses("plate = { length = 0.4, thickness = 0.02 }\nplaced.angle = 10\n", "structure.plate.angle");
 }
 
+// A wedge or an outline heels as a section of offsets does: first scaled, then turned, then moved.
+TEST(BodyKeys, AnOutlineOrAWedgeIsScaledThenTurnedThenMoved) {
+  const std::string placed =
+                        "material.density = 100\nplaced = { scale = 0.001, angle = 90, move = [1, 2] }\n",
+                    outline = "outline = [[0, 0], [200, 0], [200, 100], [0, 100]]\n";
+  const MassProperties box = mass_of(read_body(outline + placed));
+  EXPECT_NEAR(box.mass, 100 * 0.2 * 0.1, 1e-12);
+  EXPECT_LT((box.centre - Eigen::Vector3d(1 - 0.05, 2 + 0.1, 0)).norm(), 1e-12);
+  const std::string wedge =
+      "wedge = { deadrise = 30, width = 0.5, apex = [0, 0.1] }\nmaterial.density = 100\n";
+  const MassProperties upright = mass_of(read_body(wedge)),
+                       heeled = mass_of(read_body(wedge + "placed.angle = 90\n"));
+  EXPECT_NEAR(heeled.mass, upright.mass, 1e-9);
+  EXPECT_NEAR(heeled.centre.x(), -upright.centre.y(), 1e-12);
+  refuses("cylinder = { radius = 0.1 }\nplaced.angle = 10\n", "placed.angle");
+}
+
+// Otherwise the body is seen from the side and gets narrower, without a word.
+TEST(BodyKeys, ABodyInThePlaneTurnsInThePlane) {
+  const std::string placed = "placed = { angle = 20, axis = [1, 0, 0] }\n";
+  refuses("box = [{ name = \"a\", min = [0, 0], max = [1, 1] }]\n" + placed, "a body turns in the plane");
+  refuses("outline = [[0, 0], [1, 0], [0, 1]]\n" + placed, "turns in its plane");
+  EXPECT_NO_THROW(
+      read_body("outline = [[0, 0], [1, 0], [0, 1]]\nplaced = { angle = 20, axis = [0, 0, -1] }\n"));
+}
+
 // Its face is a parabola, whose mean depth is a third of that of its ends.
 TEST(BodyKeys, AHollowPlateHasAParabolaBelow) {
   const std::string plate = "plate = { length = 0.4, thickness = 0.02, bottom = [1, 2], hollow = ";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -300,16 +301,52 @@ std::string sheets(int n, double move) {
       before, nodes, 2 * n * n, elements);
 }
 
+/// A block of n³ hexahedra of the side 1/n whose inner nodes are moved by up to `shake` sides along each
+/// axis.
+std::string shaken_block(int n, double shake) {
+  std::string nodes, elements;
+  const auto number = [n](int i, int j, int k) { return (k * (n + 1) + j) * (n + 1) + i + 1; };
+  for (int k = 0; k <= n; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        const int m = number(i, j, k);
+        nodes += fmt::format("{} {} {} {}\n", m, (i + shake * std::sin(7.0 * m)) / n,
+                             (j + shake * std::sin(11.0 * m)) / n, (k + shake * std::sin(13.0 * m)) / n);
+      }
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        elements += fmt::format("{} 5 2 1 1", (k * n + j) * n + i + 1);
+        for (const int up : {k, k + 1})
+          elements += fmt::format(" {} {} {} {}", number(i, j, up), number(i + 1, j, up),
+                                  number(i + 1, j + 1, up), number(i, j + 1, up));
+        elements += "\n";
+      }
+  return fmt::format(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n{}$EndNodes\n$Elements\n{}\n{}$EndElements\n",
+      (n + 1) * (n + 1) * (n + 1), nodes, n * n * n, elements);
+}
+
+// Their sides are bent: the planes through them divide neighbours, but not cells that share an edge alone.
+TEST_F(MeshFile, BentCellsSideBySideDoNotLieOverOneAnother) {
+  for (const double shake : {0.0, 0.1, 0.2})
+    EXPECT_EQ(complaint("b.msh", shaken_block(6, shake), 3), "") << shake;
+}
+
 TEST_F(MeshFile, CellsOverOneAnotherAreRefused) {
   const auto says = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
   // A part that was meshed twice: the nodes are equal, but not merged.
   says(complaint("a.msh", sheets(4, 0)), "element 26 lies over element 1 (line 59), at (0.125, 0.125, 0)");
-  says(complaint("a.msh", sheets(4, 0)), "cells with their middle in another: 32");
+  says(complaint("a.msh", sheets(4, 0)), "cells that reach into another: 32");
   // Another mesh of the same place, moved by less than a cell; its first column is over the first sheet.
   says(complaint("a.msh", sheets(4, 0.8)), "lies over element 4");
+  // By two fifths and a fifth of a cell: no middle lies in another cell, and the nodes lie on sides.
+  says(complaint("a.msh", sheets(4, 0.9)), "lies over element 4");
+  says(complaint("a.msh", sheets(4, 0.95)), "cells that reach into another: 8");
   EXPECT_EQ(complaint("a.msh", sheets(4, 1)), "") << "side by side";
+  EXPECT_EQ(complaint("a.msh", sheets(4, 1 - 1e-9)), "") << "nodes that miss one another by a rounding";
   // One element in two physical groups, as Gmsh writes it in format 2.2.
   says(complaint("a.msh", changed(msh2, "3 3 2 2 2 2 5 6 3", "2 3 2 1 1 1 2 5 4")),
        "element 2 is there twice");

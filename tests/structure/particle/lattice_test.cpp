@@ -1,3 +1,4 @@
+#include "proto/error.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/particle/linearised.hpp"
@@ -5,6 +6,7 @@
 #include "structure/particle/total_lagrangian.hpp"
 #include "tests/structure/body/boxes.hpp"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -231,6 +233,33 @@ TEST(ParticleLattice, AnyShapeHasItsMassAndMomentWithinOnePercent) {
     EXPECT_LT((N * lattice.position.transpose() - at.topRows<2>().transpose()).norm(), 1e-14);
   }
   EXPECT_NE(lattice_fault(disc, 0.04).problem, "");
+}
+
+// A sheet one spacing thick across the lattice: some places at its surface have two particles beside them.
+TEST(ParticleLattice, ASheetTooThinForItsParticlesIsAnsweredByASpacing) {
+  constexpr int cells = 50;
+  const double turn = std::acos(-1.0) / 12;
+  Solid sheet;
+  sheet.node = Points::Zero(3, 2 * (cells + 1));
+  sheet.cell.resize(4, cells);
+  for (int k = 0; k <= cells; ++k)
+    for (int j = 0; j < 2; ++j)
+      sheet.node.col(2 * k + j).head<2>() = Eigen::Rotation2Dd(turn) * Eigen::Vector2d(0.005 * k, 0.005 * j);
+  for (int k = 0; k < cells; ++k) {
+    sheet.cell.col(k) << 2 * k, 2 * k + 2, 2 * k + 1, 2 * k + 3;
+    sheet.part_of.push_back(0);
+  }
+  sheet.parts = {{"sheet", {}, false}};
+  find_facets(sheet);
+  const Points at = outline_of(sheet, 0.004);
+  try {
+    interpolation<2>(make_lattice<2>(sheet, d, reach), at);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(to_text(error).find("fix: structure.particle.spacing = 0.0025"), std::string::npos)
+        << to_text(error);
+  }
+  EXPECT_NO_THROW(interpolation<2>(make_lattice<2>(sheet, 0.25 * d, reach), at));
 }
 
 }  // namespace

@@ -121,6 +121,19 @@ def space_is_small(place):
         expect(said and counted and said.group(1) == counted.group(1), f"{shape}: the console's number is that of check {made.stdout}")
 
 
+def a_ship_stands_upright(place):
+    """A ship's file has z up: --up z turns body and tank. In the plane there is no such axis."""
+    (place / "ship_z.stl").write_text(box_of_stl((0, -0.2, 1), (2, 0.2, 1.3)))
+    made = strake("new", "mesh", "ship_z.stl", "--up", "z", "-o", "upright.toml", cwd=place)
+    expect(made.returncode == 0 and "2 m wide, 0.3 m high" in (place / "upright.toml").read_text(), f"--up z: exit {made.returncode}\n{made.stderr}")
+    checked = strake("check", "upright.toml", cwd=place)
+    expect(checked.returncode == 0 and "centre of gravity (1, 1.15, 0) m" in checked.stdout, f"the body is turned: exit {checked.returncode}\n{checked.stdout}{checked.stderr}")
+    made = strake("new", "mesh", "ship_z.stl", "-o", "lying.toml", cwd=place)
+    expect("--up z" in (place / "lying.toml").read_text(), "a case in space says which axis of the file points up")
+    flat = strake("new", "mesh", MESH, "--up", "z", "-o", "in_plane.toml", cwd=place)
+    expect(flat.returncode == 2 and "plane z = 0" in flat.stderr, f"--up z in the plane: exit {flat.returncode}\n{flat.stderr}")
+
+
 def millimetres_are_warned_of(place):
     """A body larger than any ship: the console and the case name --scale. One of a ship's size: they do not."""
     for name, size, words, warns in (("mm", (400, 200, 500), "", True), ("long_mm", (1500, 60, 90), "", True), ("m", (400, 200, 500), "--scale 0.001", False),
@@ -208,6 +221,7 @@ with folder() as name:
     kinds_pass_check(here, units(here))
     options_arrive(here)
     space_is_small(here)
+    a_ship_stands_upright(here)
     millimetres_are_warned_of(here)
     refusals_help(here)
     questions_are_asked(here)
