@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -13,61 +14,21 @@ namespace strake::structure::fem {
 namespace {
 
 using Eigen::Index;
-using Vector = Eigen::Map<const Eigen::VectorXd>;
-
-/// (K − σM)⁻¹ as the eigenvalue solver calls it; σ was given with the factors.
-class Inverse {
- public:
+/// A symmetric operator between the unknowns of the whole body, as the eigenvalue solver calls it. Each rank
+/// computes its part of the product.
+struct Operator {
   using Scalar = double;
-  Inverse(const LinearSolver& solver, const RankDivision& division, Index size, double tolerance)
-      : solver_(solver), division_(division), size_(size), tolerance_(tolerance) {}
-  Index rows() const { return size_; }
-  Index cols() const { return size_; }
+  const RankDivision& division;
+  Index size;
+  std::function<Eigen::VectorXd(const Eigen::VectorXd&)> times;
+  Index rows() const { return size; }
+  Index cols() const { return size; }
   void set_shift(double) {}
   void perform_op(const double* x, double* y) const {
-    Eigen::Map<Eigen::VectorXd>(y, size_) =
-        division_.whole(solver_.solve(division_.part(Vector(x, size_)), tolerance_));
+    const Eigen::Map<const Eigen::VectorXd> whole(x, size);
+    Eigen::Map<Eigen::VectorXd>(y, size) = division.whole(times(division.part(whole)));
   }
-
- private:
-  const LinearSolver& solver_;
-  const RankDivision& division_;
-  Index size_;
-  double tolerance_;
 };
-
-/// M between the free unknowns, for vectors that are zero in the others.
-class Mass {
- public:
-  using Scalar = double;
-  Mass(const Matrix& mass, const std::vector<int>& fixed, const RankDivision& division)
-      : mass_(mass), fixed_(fixed), division_(division) {}
-  Index rows() const { return division_.size(mass_.rows()); }
-  Index cols() const { return rows(); }
-  void perform_op(const double* x, double* y) const {
-    Eigen::VectorXd product = mass_ * division_.part(Vector(x, rows()));
-    for (const int i : fixed_) product(i) = 0;
-    Eigen::Map<Eigen::VectorXd>(y, rows()) = division_.whole(product);
-  }
-
- private:
-  const Matrix& mass_;
-  const std::vector<int>& fixed_;
-  const RankDivision& division_;
-};
-
-/// A start that has a share of every mode, the same on every machine: the golden ratio's multiples.
-Eigen::VectorXd start(Index size, const std::vector<int>& fixed, const RankDivision& division) {
-  Eigen::VectorXd x(size);
-  double fraction = 0;
-  for (Index i = 0; i < size; ++i) {
-    fraction = std::fmod(fraction + std::numbers::phi, 1.0);
-    x(i) = fraction - 0.5;
-  }
-  Eigen::VectorXd part = division.part(x);
-  for (const int i : fixed) part(i) = 0;
-  return division.whole(part);
-}
 
 }  // namespace
 
@@ -84,17 +45,21 @@ std::vector<double> natural_frequencies(const Matrix& stiffness, const Matrix& m
   shifted.coeffs() -= shift * mass.coeffs();  // one pattern
   if (!solver.factorise(shifted, fixed)) throw failed("the shifted stiffness is singular");
 
-  // An iteration's error must stay below the requested tolerance of the eigenvalues.
-  Mass product(mass, fixed, division);
-  Inverse inverse(solver, division, product.rows(), 0.1 * tolerance);
+  // (K − σM)⁻¹ with σ of the factors; an iteration's error must stay below the tolerance of the eigenvalues.
+  const Index size = division.size(mass.rows());
+  Operator inverse{division, size, [&](const auto& x) { return solver.solve(x, 0.1 * tolerance); }};
+  // M between the free unknowns, for vectors that are zero in the others, as those are that `inverse` gives.
+  Operator product{division, size, [&](const auto& x) {
+                     Eigen::VectorXd Mx = mass * x;
+                     for (const int i : fixed) Mx(i) = 0;
+                     return Mx;
+                   }};
   const auto held = std::count_if(fixed.begin(), fixed.end(), [&](int i) { return division.owns(i); });
-  const int free =
-      static_cast<int>(product.rows()) - static_cast<int>(division.sum(static_cast<double>(held)));
+  const int free = static_cast<int>(size) - static_cast<int>(division.sum(static_cast<double>(held)));
   const int wanted = std::min(count, free - 1);
-  Spectra::SymGEigsShiftSolver<Inverse, Mass, Spectra::GEigsMode::ShiftInvert> eigen(
+  Spectra::SymGEigsShiftSolver<Operator, Operator, Spectra::GEigsMode::ShiftInvert> eigen(
       inverse, product, wanted, std::min(free, std::max(2 * wanted + 1, 20)), shift);
-  const Eigen::VectorXd first = start(product.rows(), fixed, division);
-  eigen.init(first.data());
+  eigen.init();  // a random start, always the same
   eigen.compute(Spectra::SortRule::LargestMagn, 1000, tolerance);
   if (eigen.info() != Spectra::CompInfo::Successful)
     throw failed("the eigenvalue iteration did not converge");

@@ -67,7 +67,6 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
   matrices_.largest_node_mass = division().max(matrices_.node_mass.head(division().own(n)).maxCoeff());
   matrices_.largest_stiffness = largest_in_own_rows(matrices_.stiffness);
 
-  summary_.cells = static_cast<int>(mesh().cell_division.size(mesh().n_cells()));
   summary_.most_unknowns = static_cast<int>(division().max(static_cast<double>(division().own(n))));
   summary_.fewest_unknowns = static_cast<int>(division().min(static_cast<double>(division().own(n))));
 
@@ -221,34 +220,31 @@ Energy FemSolver<dim>::energy() const {
 }
 
 template <int dim>
-const PointInterpolation<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
+const typename FemSolver<dim>::Probe& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = probes_.places.find(key);
-  if (found == probes_.places.end())
-    found = probes_.places.emplace(key, PointInterpolation<dim>(discretisation_, X)).first;
+  auto found = probes_.find(key);
+  if (found == probes_.end()) {
+    const auto place = discretisation_.locate(X).front();
+    const auto shares = recovery_.shares(place.cell, place.weights);
+    found = probes_.emplace(key, Probe{PointInterpolation<dim>(discretisation_, X), shares}).first;
+  }
   return found->second;
 }
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::displacement_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.displacement).col(0) + state_.frame.displacement;
+  return probe(X).at.at_points(state_.displacement).col(0) + state_.frame.displacement;
 }
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.velocity).col(0) + state_.frame.velocity;
+  return probe(X).at.at_points(state_.velocity).col(0) + state_.frame.velocity;
 }
 
 template <int dim>
 Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
-  const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = probes_.stress.find(key);
-  if (found == probes_.stress.end()) {
-    const auto place = discretisation_.locate(X).front();
-    found = probes_.stress.emplace(key, recovery_.shares(place.cell, place.weights)).first;
-  }
   Stress stress = Stress::Zero();
-  for (const auto& share : found->second)
+  for (const auto& share : probe(X).stress)
     stress += assembly_.cell_state(state_.displacement, share.cell).template topRows<6>() * share.weight;
   return division().sum(stress);
 }

@@ -111,7 +111,6 @@ class FemSolver final : public Solver {
   double largest_in_own_rows(const Matrix&) const;
   std::string linear_systems_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
-  const PointInterpolation<dim>& probe(const Eigen::Vector3d& X) const;
 
   // Relative tolerance of an iterative solve for a correction. The rest is left to the next correction, since
   // Newton's method computes the residual anew.
@@ -135,10 +134,10 @@ class FemSolver final : public Solver {
   SupportMotion<dim> support_motion_;
   InterfaceMesh interface_;
   PointInterpolation<dim> interpolation_;
-  Eigen::VectorXd load_shape_;                              // [N] of [structure.load] at full value
-  struct Summary {                                          // for the lines of a run
-    double first_frequency = 0;                             // [Hz]
-    int cells = 0, fewest_unknowns = 0, most_unknowns = 0;  // of the body, and of a rank
+  Eigen::VectorXd load_shape_;                   // [N] of [structure.load] at full value
+  struct Summary {                               // for the lines of a run
+    double first_frequency = 0;                  // [Hz]
+    int fewest_unknowns = 0, most_unknowns = 0;  // of a rank
   } summary_;
   State state_, saved_;
 
@@ -151,11 +150,13 @@ class FemSolver final : public Solver {
     double dt = 0;       // [s]
     int made = 0;        // so far
   } factors_;
-  // Interpolations to places that were asked for.
-  mutable struct Probes {
-    std::map<std::array<double, 3>, PointInterpolation<dim>> places;
-    std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress;
-  } probes_;
+  // Places that were asked for.
+  struct Probe {
+    PointInterpolation<dim> at;
+    std::vector<typename Recovery<dim>::Share> stress;
+  };
+  mutable std::map<std::array<double, 3>, Probe> probes_;
+  const Probe& probe(const Eigen::Vector3d& X) const;
   int newton_iterations_ = 0;
 };
 

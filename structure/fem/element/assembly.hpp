@@ -8,7 +8,6 @@
 #include <Eigen/SparseCore>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace strake::structure::fem {
@@ -71,11 +70,7 @@ class Assembly {
   /// The axis of a cell that is a solid shell, −1 for all others.
   int thin_axis(int cell) const { return thin_.empty() ? -1 : thin_[static_cast<std::size_t>(cell)]; }
   /// How many cells are solid shells, of all ranks.
-  int shells() const {
-    int count = 0;
-    for (int c = 0; c < mesh_.n_cells(); ++c) count += thin_axis(c) >= 0 && mesh_.owns(c) ? 1 : 0;
-    return static_cast<int>(mesh_.division.sum(count));
-  }
+  int shells() const;
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
   /// Of one cell, whatever its share.
@@ -94,10 +89,9 @@ class Assembly {
   /// Sum of the cells' matrices, which `compute(c, matrix)` makes of the sample (cell_sums.hpp).
   template <class Local, class Compute>
   Matrix scatter(const Local& sample, const Compute& compute) const;
-  /// E in the points of quadrature of a cell, with the strains it adds.
-  template <int n>
-  std::array<Eigen::Matrix<double, dim, dim>, static_cast<std::size_t>(n)> strains(const Eigen::VectorXd& u,
-                                                                                   int cell) const;
+  /// Calls `use` with the element of a cell, of `n` nodes, and its material (cell_sums.hpp).
+  template <int n, class Use>
+  decltype(auto) with_element(int cell, const Use& use) const;
 
   const Mesh<dim>& mesh_;
   bool eroded(int cell) const { return integrity_.size() > 0 && integrity_(cell) == 0; }
@@ -109,12 +103,11 @@ class Assembly {
     return material(cell);
   }
   std::vector<Part> part_;
-  std::vector<Material> eroded_;                        // of the parts: linear
-  std::vector<char> enhanced_;                          // of the parts
-  std::vector<int> thin_;                               // of the cells, see thin_axis; empty: no solid shells
-  Eigen::VectorXd integrity_;                           // empty: intact
-  Eigen::SparseMatrix<char, Eigen::RowMajor> pattern_;  // without values
-  std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
+  std::vector<Material> eroded_;  // of the parts: linear
+  std::vector<char> enhanced_;    // of the parts
+  std::vector<int> thin_;         // of the cells, see thin_axis; empty: no solid shells
+  Eigen::VectorXd integrity_;     // empty: intact
+  Matrix pattern_;                // of zeros
 };
 
 }  // namespace strake::structure::fem

@@ -1,8 +1,8 @@
 #include "proto/error.hpp"
 #include "structure/fem/mesh/mesh.hpp"
-#include "structure/material/symmetric.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 namespace strake::structure::fem {
 namespace {
@@ -50,12 +50,10 @@ int rigid_motions_left(const Mesh<dim>& mesh) {
   std::vector<int> own = mesh.fixed;
   std::erase_if(own, [&](int i) { return !mesh.division.owns(i); });
   const Eigen::MatrixXd fixed = motions_of(mesh)(own, Eigen::all);
-  constexpr double stopped =
-      1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
-  const Eigen::VectorXd value = eigenvalues_of(mesh.division.sum(Eigen::MatrixXd(fixed.transpose() * fixed)));
-  int left = 0;
-  for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
-  return left;
+  constexpr double stopped = 1e-10;  // of the largest pivot: the square of what round-off leaves of a rank
+  Eigen::FullPivLU<Eigen::MatrixXd> factors;
+  factors.setThreshold(stopped).compute(mesh.division.sum(Eigen::MatrixXd(fixed.transpose() * fixed)));
+  return static_cast<int>(factors.dimensionOfKernel());
 }
 
 template <int dim>
