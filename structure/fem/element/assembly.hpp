@@ -14,13 +14,6 @@ namespace strake::structure::fem {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// Means over an undamaged cell.
-template <int dim>
-struct CellMean {
-  double energy = 0;                                 // [J/m³] ψ
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // [Pa] Cauchy
-};
-
 /// Integrals over the cells, total Lagrangian: everything refers to the reference configuration X.
 ///
 ///   F = I + ∇u,  E = ½(FᵀF − I),  S(E) and ψ(E) of material.hpp;  linear: F = I and E = ½(∇u + ∇uᵀ)
@@ -73,8 +66,6 @@ class Assembly {
   int shells() const;
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
-  /// Of one cell, whatever its share.
-  CellMean<dim> mean(const Eigen::VectorXd& u, int cell) const;
   const Material& material(int cell) const {
     return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
   }
@@ -84,6 +75,9 @@ class Assembly {
   void damage(Eigen::VectorXd integrity);
   bool intact() const { return integrity_.size() == 0 || integrity_.minCoeff() == 1; }
   static constexpr double residual = 1e-5;
+  double share(int cell) const {
+    return integrity_.size() == 0 ? 1 : integrity_(cell) == 0 ? residual : integrity_(cell);
+  }
 
  private:
   /// Sum of the cells' matrices, which `compute(c, matrix)` makes of the sample (cell_sums.hpp).
@@ -95,9 +89,6 @@ class Assembly {
 
   const Mesh<dim>& mesh_;
   bool eroded(int cell) const { return integrity_.size() > 0 && integrity_(cell) == 0; }
-  double share(int cell) const {
-    return integrity_.size() == 0 ? 1 : integrity_(cell) == 0 ? residual : integrity_(cell);
-  }
   const Material& of(int cell) const {
     if (eroded(cell)) return eroded_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])];
     return material(cell);

@@ -93,34 +93,11 @@ Eigen::MatrixXd Assembly<dim>::cell_state(const Eigen::VectorXd& u, int cell) co
   });
 }
 
-template <int dim>
-CellMean<dim> Assembly<dim>::mean(const Eigen::VectorXd& u, int c) const {
-  return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
-    constexpr int n = nodes;
-    const Material& m = material(c);
-    const auto values = gather<dim, n>(mesh_, u, c);
-    const Continuum<dim, n> element(mesh_, c, false);
-    CellMean<dim> mean;
-    double volume = 0;
-    for (int q = 0; q < n; ++q) {
-      const Tensor<dim> H = values * element.gradient(q), E = strain_of<dim>(H, is_large(m));
-      mean.energy += element.weight[q] * energy_of_strain<dim>(m, E);
-      mean.stress += element.weight[q] * cauchy_stress<dim>(m, H, E);
-      volume += element.weight[q];
-    }
-    mean.energy /= volume;
-    mean.stress /= volume;
-    return mean;
-  });
-}
-
 template double Assembly<2>::strain_energy(const Eigen::VectorXd&) const;
 template double Assembly<2>::smallest_jacobian(const Eigen::VectorXd&) const;
 template Eigen::MatrixXd Assembly<2>::cell_state(const Eigen::VectorXd&, int) const;
-template CellMean<2> Assembly<2>::mean(const Eigen::VectorXd&, int) const;
 template double Assembly<3>::strain_energy(const Eigen::VectorXd&) const;
 template double Assembly<3>::smallest_jacobian(const Eigen::VectorXd&) const;
 template Eigen::MatrixXd Assembly<3>::cell_state(const Eigen::VectorXd&, int) const;
-template CellMean<3> Assembly<3>::mean(const Eigen::VectorXd&, int) const;
 
 }  // namespace strake::structure::fem

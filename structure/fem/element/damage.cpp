@@ -133,16 +133,20 @@ bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) cons
   };
   for (int c = 0; c < mesh_.n_cells(); ++c) {
     if (!mesh_.owns(c) || eroded(state, c)) continue;
-    const CellMean<dim> mean = assembly_.mean(u, c);
-    const double y = std::sqrt(mean.energy);
+    // Means over the cell as if it were undamaged: Cauchy stress and energy density.
+    const auto weight = mesh_.weight.segment(c * mesh_.n_quadrature, mesh_.n_quadrature);
+    const Eigen::Matrix<double, 7, 1> mean =
+        assembly_.cell_state(u, c) * weight / (assembly_.share(c) * weight.sum());
+    Eigen::Matrix3d sigma;
+    sigma << mean(0), mean(1), mean(2), mean(1), mean(3), mean(4), mean(2), mean(4), mean(5);
+    const double y = std::sqrt(mean(6));
     if (state.onset(c) == 0) {
-      const double stress = equivalent_stress(keys_.criterion, mean.stress);
+      const double stress = equivalent_stress(keys_.criterion, sigma);
       if (!(stress > keys_.strength)) continue;
       // ψ grows with the square of the stress: where within the step the strength was reached.
       state.onset(c) = y * keys_.strength / stress;
-      state.end(c) =
-          std::max(keys_.fracture_energy / (band(c, principal_direction(mean.stress)) * state.onset(c)),
-                   state.onset(c) * (1 + 1e-9));
+      state.end(c) = std::max(keys_.fracture_energy / (band(c, principal_direction(sigma)) * state.onset(c)),
+                              state.onset(c) * (1 + 1e-9));
       note(begins, stress, c);
     } else if (!(y > state.peak(c))) {
       continue;

@@ -43,10 +43,46 @@ Vector3d mean_edges(const Mesh<3>& mesh, int cell) {
   return mean;
 }
 
-std::array<int, 3> by_length(const Vector3d& edges) {
-  std::array<int, 3> order = {0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return edges(a) < edges(b); });
-  return order;
+/// The shortest of the mean edges, and how many times longer the next one is.
+struct Thinness {
+  int axis = 0;
+  double ratio = 0;
+};
+Thinness thinness(const Mesh<3>& mesh, int cell) {
+  const Vector3d edges = mean_edges(mesh, cell);
+  Thinness thin;
+  const double least = edges.minCoeff(&thin.axis);
+  thin.ratio = std::min(edges((thin.axis + 1) % 3), edges((thin.axis + 2) % 3)) / least;
+  return thin;
+}
+
+/// A of point q, which lies at ξ: strain components from the samples,
+///   E = J⁻ᵀ E_cov J⁻¹,  J = ∂X/∂ξ:
+/// a sample E_ij adds its weight times ½ (e_i⊗e_j + e_j⊗e_i), twice where i ≠ j.
+Eigen::Matrix<double, 6, SolidShell::samples> interpolation(const SolidShell::Values& X, const Vector3d& xi,
+                                                            int q, int thin) {
+  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
+  Tensor<3> J;
+  for (int k = 0; k < 3; ++k) J.col(k) = X * shape_gradient(xi, k);
+  const Tensor<3> inverse = J.inverse();
+  Eigen::Matrix<double, 6, SolidShell::samples> A = Eigen::Matrix<double, 6, SolidShell::samples>::Zero();
+  const auto add = [&](int k, int i, int j, double weight) {
+    Tensor<3> M = Tensor<3>::Zero();
+    M(i, j) = M(j, i) = weight;
+    A.col(k) = strain_components<3>(inverse.transpose() * M * inverse);
+  };
+  add(3 * q, a, a, 1);
+  add(3 * q + 1, b, b, 1);
+  add(3 * q + 2, a, b, 1);
+  for (const int end : {0, 1}) {
+    const int side = 2 * end - 1;
+    add(24 + end, a, thin, 0.5 * (1 + side * xi(b)));
+    add(26 + end, b, thin, 0.5 * (1 + side * xi(a)));
+  }
+  for (int corner = 0; corner < 4; ++corner)
+    add(28 + corner, thin, thin,
+        0.25 * (1 + (2 * (corner & 1) - 1) * xi(a)) * (1 + (2 * (corner >> 1) - 1) * xi(b)));
+  return A;
 }
 
 }  // namespace
@@ -55,10 +91,9 @@ std::vector<int> thin_axes(const Mesh<3>& mesh) {
   std::vector<int> axis(static_cast<std::size_t>(mesh.n_cells()), -1);
   std::vector<char> of_thin(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    if (edges(order[0]) > thin_ratio * edges(order[1])) continue;
-    axis[static_cast<std::size_t>(c)] = order[0];
+    const Thinness thin = thinness(mesh, c);
+    if (1 > thin_ratio * thin.ratio) continue;
+    axis[static_cast<std::size_t>(c)] = thin.axis;
     for (int a = 0; a < 8; ++a) of_thin[static_cast<std::size_t>(mesh.cell(a, c))] = 1;
   }
   // The first cell without, of the cells whose neighbours the rank has all.
@@ -86,11 +121,7 @@ std::vector<int> thin_axes(const Mesh<3>& mesh) {
 
 double slenderness(const Mesh<3>& mesh) {
   double largest = 0;
-  for (int c = 0; c < mesh.n_cells(); ++c) {
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    largest = std::max(largest, edges(order[1]) / edges(order[0]));
-  }
+  for (int c = 0; c < mesh.n_cells(); ++c) largest = std::max(largest, thinness(mesh, c).ratio);
   return mesh.division.max(largest);
 }
 
@@ -98,12 +129,9 @@ bool has_core(const Mesh<3>& mesh) {
   constexpr double clearly_thin = 3;
   bool found = false;
   for (int c = 0; c < mesh.n_cells() && !found; ++c) {
-    if (!mesh.owns(c)) continue;
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    const int thin = order[0];
-    if (edges(order[1]) < clearly_thin * edges(thin)) continue;  // not where a stiffener stands on a plate
-    found = mesh.outside(2 * thin, c) == 0 && mesh.outside(2 * thin + 1, c) == 0;
+    const Thinness thin = thinness(mesh, c);
+    if (!mesh.owns(c) || thin.ratio < clearly_thin) continue;  // not where a stiffener stands on a plate
+    found = mesh.outside(2 * thin.axis, c) == 0 && mesh.outside(2 * thin.axis + 1, c) == 0;
   }
   return mesh.division.any(found);
 }
@@ -111,59 +139,26 @@ bool has_core(const Mesh<3>& mesh) {
 // The samples: of each point of quadrature E_ξξ, E_ηη, E_ξη (0 to 23), then E_ξζ at η = ∓1 (24, 25), E_ηζ at
 // ξ = ∓1 (26, 27), E_ζζ in the four corners (28 to 31).
 SolidShell::SolidShell(const Mesh<3>& mesh, int cell, int thin)
-    : weight(mesh.weight.data() + cell * nodes),
-      added(std::in_place, mesh, cell, thin),
-      mesh_(mesh),
-      X_(corners(mesh, cell)) {
+    : weight(mesh.weight.data() + cell * nodes), added(std::in_place, mesh, cell, thin) {
   const int a = (thin + 1) % 3, b = (thin + 2) % 3;
-  for (int q = 0; q < nodes; ++q) {
-    set_sample(3 * q, a, a, mesh.point.col(q));
-    set_sample(3 * q + 1, b, b, mesh.point.col(q));
-    set_sample(3 * q + 2, a, b, mesh.point.col(q));
-  }
-  for (const int end : {0, 1}) {
-    set_sample(24 + end, a, thin, (2 * end - 1) * Vector3d::Unit(b));
-    set_sample(26 + end, b, thin, (2 * end - 1) * Vector3d::Unit(a));
-  }
-  for (int corner = 0; corner < 4; ++corner)
-    set_sample(28 + corner, thin, thin,
-               (2 * (corner & 1) - 1) * Vector3d::Unit(a) + (2 * (corner >> 1) - 1) * Vector3d::Unit(b));
-  for (int q = 0; q < nodes; ++q) set_interpolation(q, thin);
-}
-
-void SolidShell::set_sample(int k, int i, int j, const Vector3d& xi) {
-  Sample& sample = sample_[static_cast<std::size_t>(k)];
-  sample.along_i = shape_gradient(xi, i);
-  sample.along_j = shape_gradient(xi, j);
-  sample.G_i = X_ * sample.along_i;
-  sample.G_j = X_ * sample.along_j;
-}
-
-// E = J⁻ᵀ E_cov J⁻¹, J = ∂X/∂ξ: a sample E_ij adds its weight times ½ (e_i⊗e_j + e_j⊗e_i), twice where i ≠ j.
-void SolidShell::set_interpolation(int q, int thin) {
-  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
-  const Vector3d xi = mesh_.point.col(q);
-  Tensor<3> J;
-  for (int k = 0; k < 3; ++k) J.col(k) = X_ * shape_gradient(xi, k);
-  const Tensor<3> inverse = J.inverse();
-  Components6& A = A_[static_cast<std::size_t>(q)];
-  A.setZero();
-  const auto add = [&](int k, int i, int j, double weight) {
-    Tensor<3> M = Tensor<3>::Zero();
-    M(i, j) = M(j, i) = weight;
-    A.col(k) = strain_components<3>(inverse.transpose() * M * inverse);
+  const Values X = corners(mesh, cell);
+  const auto set = [&](int k, int i, int j, const Vector3d& xi) {
+    const Gradient along_i = shape_gradient(xi, i), along_j = shape_gradient(xi, j);
+    sample_[static_cast<std::size_t>(k)] = {along_i, along_j, X * along_i, X * along_j};
   };
-  add(3 * q, a, a, 1);
-  add(3 * q + 1, b, b, 1);
-  add(3 * q + 2, a, b, 1);
+  for (int q = 0; q < nodes; ++q) {
+    set(3 * q, a, a, mesh.point.col(q));
+    set(3 * q + 1, b, b, mesh.point.col(q));
+    set(3 * q + 2, a, b, mesh.point.col(q));
+    A_[static_cast<std::size_t>(q)] = interpolation(X, mesh.point.col(q), q, thin);
+  }
   for (const int end : {0, 1}) {
-    const int side = 2 * end - 1;
-    add(24 + end, a, thin, 0.5 * (1 + side * xi(b)));
-    add(26 + end, b, thin, 0.5 * (1 + side * xi(a)));
+    set(24 + end, a, thin, (2 * end - 1) * Vector3d::Unit(b));
+    set(26 + end, b, thin, (2 * end - 1) * Vector3d::Unit(a));
   }
   for (int corner = 0; corner < 4; ++corner)
-    add(28 + corner, thin, thin,
-        0.25 * (1 + (2 * (corner & 1) - 1) * xi(a)) * (1 + (2 * (corner >> 1) - 1) * xi(b)));
+    set(28 + corner, thin, thin,
+        (2 * (corner & 1) - 1) * Vector3d::Unit(a) + (2 * (corner >> 1) - 1) * Vector3d::Unit(b));
 }
 
 // e_k = ½ (G_i·u,j + G_j·u,i + u,i·u,j), the last one for large deformation.

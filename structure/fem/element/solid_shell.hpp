@@ -63,13 +63,9 @@ class SolidShell {
     Eigen::Vector3d G_i, G_j;
   };
 
-  void set_sample(int k, int i, int j, const Eigen::Vector3d& xi);
-  void set_interpolation(int q, int thin);
   Rows sample_rows(const Values& u, bool large) const;                       // ∂e_k/∂u at u
   Eigen::Matrix<double, samples, 1> stresses(const Strains<3, 8>& S) const;  // Σ w Aᵀ S
 
-  const Mesh<3>& mesh_;
-  Values X_;
   std::array<Sample, samples> sample_;
   std::array<Components6, nodes> A_;  // of each point: strain components from samples
 };

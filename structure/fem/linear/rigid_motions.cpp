@@ -15,10 +15,9 @@ constexpr int count(int dim) {
 template <int dim>
 Eigen::MatrixXd motions_of(const Mesh<dim>& mesh) {
   const RankDivision& division = mesh.division;
-  Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
-  if (!division.alone())
-    middle = division.sum(mesh.node.leftCols(division.own(mesh.n_unknowns()) / dim).rowwise().sum()) *
-             (dim / static_cast<double>(division.size(0)));
+  const auto own_nodes = mesh.node.leftCols(division.own(mesh.n_unknowns()) / dim);
+  const Eigen::Matrix<double, dim, 1> middle = division.sum(own_nodes.rowwise().sum().eval()) *
+                                               (dim / static_cast<double>(division.size(mesh.n_unknowns())));
   const double length = division.max((mesh.node.colwise() - middle).cwiseAbs().maxCoeff());
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count(dim));
   for (int i = 0; i < mesh.n_nodes(); ++i) {

@@ -258,17 +258,6 @@ void Discretisation<dim>::copy_cells() {
   }
 }
 
-template <int dim>
-Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
-  std::vector<int> owned, at;
-  for (int c = 0; c < n_cells(); ++c)
-    if (owns(c)) {
-      owned.push_back(c);
-      at.push_back(number[static_cast<std::size_t>(c)]);
-    }
-  return division.joined(cells_of_body, at, of_cells(owned));
-}
-
 // Constrains a pinned or rolling face along the line at its middle. In space this is the line along the
 // longer of its two directions.
 template <int dim>
@@ -397,8 +386,6 @@ std::string library() {
   return "deal.II " DEAL_II_PACKAGE_VERSION;
 }
 
-template struct Mesh<2>;
-template struct Mesh<3>;
 template class Discretisation<2>;
 template class Discretisation<3>;
 

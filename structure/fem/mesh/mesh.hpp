@@ -42,7 +42,12 @@ struct Mesh {
   int n_unknowns() const { return dim * n_nodes(); }
   bool owns(int c) const { return own[static_cast<std::size_t>(c)] != 0; }
   /// A value of each cell of the whole body as its owner has it, on all ranks; and the rank's part of them.
-  Eigen::VectorXd whole(const Eigen::VectorXd& of_cells) const;
+  Eigen::VectorXd whole(const Eigen::VectorXd& of_cells) const {
+    Eigen::VectorXd all = Eigen::VectorXd::Constant(cells_of_body, RankDivision::nothing);
+    for (int c = 0; c < n_cells(); ++c)
+      if (owns(c)) all(number[static_cast<std::size_t>(c)]) = of_cells(c);
+    return division.sum(all);
+  }
   Eigen::VectorXd part_of_whole(const Eigen::VectorXd& of_cells) const { return of_cells(number); }
   /// Node in a corner of a cell, corners in lexicographic order.
   int corner(int c, int k) const {

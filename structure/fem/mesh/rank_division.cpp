@@ -50,21 +50,14 @@ void RankDivision::update(Eigen::VectorXd& x) const {
 
 Eigen::VectorXd RankDivision::whole(const Eigen::VectorXd& x) const {
   if (alone()) return x;
-  const auto own = own_of_parts();
-  return joined(size_of_parts(), {parts_->on_one_rank.begin(), parts_->on_one_rank.begin() + own},
-                x.head(own));
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(size_of_parts(), nothing);
+  for (Index i = 0; i < own_of_parts(); ++i) all(number(static_cast<int>(i))) = x(i);
+  return sum(all);
 }
 
 Eigen::VectorXd RankDivision::part(const Eigen::VectorXd& all) const {
   if (alone()) return all;
   return all(parts_->on_one_rank);
-}
-
-Eigen::VectorXd RankDivision::joined(Index size, const std::vector<int>& at,
-                                     const Eigen::VectorXd& own) const {
-  Eigen::VectorXd all = Eigen::VectorXd::Constant(size, -0.0);  // which changes no bit of a sum
-  all(at) = own;
-  return sum(all);
 }
 
 Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const {

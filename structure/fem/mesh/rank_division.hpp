@@ -56,6 +56,7 @@ class RankDivision {
   bool any(bool own) const { return alone() ? own : communicator().any(own); }
   /// Adds up a matrix of each rank.
   Eigen::MatrixXd sum(const Eigen::MatrixXd&) const;
+  static constexpr double nothing = -0.0;  // changes no bit of a sum
   /// The largest vector of all ranks: that of the largest first value, of equal ones by the next value.
   Eigen::VectorXd largest(const Eigen::VectorXd& own) const;
 
@@ -64,8 +65,6 @@ class RankDivision {
   /// The vector of the whole body, numbered as on one rank, and the rank's part of such a vector.
   Eigen::VectorXd whole(const Eigen::VectorXd& values) const;
   Eigen::VectorXd part(const Eigen::VectorXd& whole) const;
-  /// A vector of `size` values on all ranks, each of which is in `own` of one of them, at the place `at`.
-  Eigen::VectorXd joined(Eigen::Index size, const std::vector<int>& at, const Eigen::VectorXd& own) const;
   /// Columns of all ranks on the first one, in the order of their first row; on the others none.
   Eigen::MatrixXd columns_on_first(const Eigen::MatrixXd& own) const;
 

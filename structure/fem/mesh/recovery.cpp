@@ -66,13 +66,20 @@ Recovery<dim>::Recovery(const Mesh<dim>& mesh) : mesh_(mesh) {
 }
 
 template <int dim>
-Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) const {
+Eigen::MatrixXd Recovery<dim>::sum_on_nodes(const Eigen::MatrixXd& at_quadrature,
+                                            const Eigen::MatrixXd& to_nodes) const {
   const int points = mesh_.n_quadrature;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(at_quadrature.rows(), size());
   for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) * mesh_.fit.transpose();
+    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) * to_nodes.transpose();
     for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum.col(cell_(a, c)) += values.col(a);
   }
+  return sum;
+}
+
+template <int dim>
+Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) const {
+  Eigen::MatrixXd sum = sum_on_nodes(at_quadrature, mesh_.fit);
   for (int i = 0; i < size(); ++i)
     sum.col(i) /= static_cast<double>(around_[static_cast<std::size_t>(i)].size());
   return sum;
@@ -81,26 +88,13 @@ Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) co
 // Σ_cells Σ_q W_q part_aq v_q over Σ_cells Σ_q W_q part_aq, W_q the volume of a point.
 template <int dim>
 Eigen::MatrixXd Recovery<dim>::means_on_nodes(const Eigen::MatrixXd& at_quadrature) const {
-  const int points = mesh_.n_quadrature;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(at_quadrature.rows(), size());
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) *
-                                   mesh_.weight.segment(c * points, points).asDiagonal() *
-                                   nearest_.transpose();
-    for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum.col(cell_(a, c)) += values.col(a);
-  }
+  const Eigen::MatrixXd sum = sum_on_nodes(at_quadrature * mesh_.weight.asDiagonal(), nearest_);
   return sum.array().rowwise() / shares_of_volume().transpose().array();
 }
 
 template <int dim>
 Eigen::VectorXd Recovery<dim>::shares_of_volume() const {
-  const int points = mesh_.n_quadrature;
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::VectorXd volume = nearest_ * mesh_.weight.segment(c * points, points);
-    for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum(cell_(a, c)) += volume(a);
-  }
-  return sum;
+  return sum_on_nodes(mesh_.weight.transpose(), nearest_).transpose();
 }
 
 template <int dim>

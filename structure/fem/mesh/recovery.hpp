@@ -41,6 +41,7 @@ class Recovery {
   std::vector<Share> shares(int cell, const NodeWeights&) const;
 
  private:
+  Eigen::MatrixXd sum_on_nodes(const Eigen::MatrixXd& at_quadrature, const Eigen::MatrixXd& to_nodes) const;
   const Mesh<dim>& mesh_;
   Eigen::MatrixXd
       nearest_;  // like Mesh::fit: part of a point's volume that is nearest to a node; columns sum to 1
