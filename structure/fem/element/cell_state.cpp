@@ -28,7 +28,7 @@ Eigen::Matrix3d cauchy_stress(const Material& m, const Tensor<dim>& H, const Ten
 /// E in the points of quadrature, with the strains that the element adds.
 template <class Element>
 auto strains_at(const Element& element, const typename Element::Values& u, const Material& m) {
-  auto E = element.strains(u, is_large(m));
+  auto E = element.strains(element.motion(u), is_large(m));
   if (element.added) element.added->add_to(E, m);
   return E;
 }

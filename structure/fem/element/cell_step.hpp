@@ -24,7 +24,8 @@ typename Element::Values force_of_step(const Element& element, const typename El
                                        const typename Element::Values& u1, double alpha, const Material& m) {
   constexpr int dim = Element::dimension, n = Element::nodes;
   const bool large = is_large(m);
-  Strains<dim, n> E0 = element.strains(u0, large), E1 = element.strains(u1, large), S;
+  const typename Element::Motion from = element.motion(u0), to = element.motion(u1);
+  Strains<dim, n> E0 = element.strains(from, large), E1 = element.strains(to, large), S;
   const Strains<dim, n> E = strains_of_step(element, E0, E1, alpha, m);
   for (std::size_t q = 0; q < S.size(); ++q) S[q] = second_piola_kirchhoff<dim>(m, E[q]);
   if (balances_energy(m, alpha)) {
@@ -36,7 +37,7 @@ typename Element::Values force_of_step(const Element& element, const typename El
                                        : EnergyBalance<dim, n>(E0, E1, m, element.weight);
     for (std::size_t q = 0; q < S.size(); ++q) S[q] += balance.part * change[q];
   }
-  return element.forces(alpha * u0 + (1 - alpha) * u1, S, large);
+  return element.forces(alpha * from + (1 - alpha) * to, S, large);
 }
 
 /// The derivative of that by u1, over 1−α, with D = ∂S/∂E + 2 m/s 1⊙1 and B = ∂E/∂u at α and at the end:
@@ -49,7 +50,8 @@ void tangent_of_step(const Element& element, const typename Element::Values& u0,
                      const typename Element::Values& u1, double alpha, const Material& m, Local& local) {
   constexpr int dim = Element::dimension, n = Element::nodes, shear = components<dim> - dim;
   const bool large = is_large(m), balances = balances_energy(m, alpha) && !element.added;
-  const Strains<dim, n> E0 = element.strains(u0, large), E1 = element.strains(u1, large),
+  const typename Element::Motion from = element.motion(u0), to = element.motion(u1);
+  const Strains<dim, n> E0 = element.strains(from, large), E1 = element.strains(to, large),
                         E = strains_of_step(element, E0, E1, alpha, m);
   double part = 0, size = 1;
   if (balances) {
@@ -57,8 +59,8 @@ void tangent_of_step(const Element& element, const typename Element::Values& u0,
     part = balance.part;
     size = balance.size;
   }
-  const auto rows_alpha = element.rows(alpha * u0 + (1 - alpha) * u1, large),
-             rows_1 = element.rows(u1, large);
+  const auto rows_alpha = element.rows(alpha * from + (1 - alpha) * to, large),
+             rows_1 = element.rows(to, large);
   Eigen::Matrix<double, dim * n, 1> A = Eigen::Matrix<double, dim * n, 1>::Zero(), R = A;
   Eigen::MatrixXd L_alpha = Eigen::MatrixXd::Zero(dim * n, element.added ? element.added->count() : 0);
   Eigen::MatrixXd L1 = L_alpha;

@@ -25,20 +25,29 @@ class Continuum {
     return Eigen::Map<const Eigen::Matrix<double, n, dim>>(mesh_.gradient.col(first_ + q).data());
   }
 
+  /// Gradients H of the displacement in the points, side by side: linear in it, so that each is made once.
+  using Motion = Eigen::Matrix<double, dim, dim * n>;
+  Motion motion(const Values& u) const {
+    Motion H;
+    for (int q = 0; q < n; ++q) H.template middleCols<dim>(dim * q) = u * gradient(q);
+    return H;
+  }
+
   /// Of the displacement alone.
-  Strains<dim, n> strains(const Values& u, bool large) const {
+  Strains<dim, n> strains(const Motion& H, bool large) const {
     Strains<dim, n> E;
     for (int q = 0; q < n; ++q)
-      E[static_cast<std::size_t>(q)] = strain_of<dim>(Tensor<dim>(u * gradient(q)), large);
+      E[static_cast<std::size_t>(q)] =
+          strain_of<dim>(Tensor<dim>(H.template middleCols<dim>(dim * q)), large);
     return E;
   }
 
   /// B of a point: ∂E_JK/∂u_ai = ½ (F_iJ g_aK + F_iK g_aJ),  g_a = ∇N_a.
-  auto rows(const Values& u, bool large) const {
-    return [this, u, large](int q) {
+  auto rows(const Motion& H, bool large) const {
+    return [this, H, large](int q) {
       const auto g = gradient(q);
       Tensor<dim> F = Tensor<dim>::Identity();
-      if (large) F += u * g;
+      if (large) F += H.template middleCols<dim>(dim * q);
       StrainRows<dim, n> B;
       for (int a = 0; a < n; ++a)
         for (int i = 0; i < dim; ++i) {
@@ -50,11 +59,11 @@ class Continuum {
   }
 
   /// f_a = Σ w F S g_a.
-  Values forces(const Values& u, const Strains<dim, n>& S, bool large) const {
+  Values forces(const Motion& H, const Strains<dim, n>& S, bool large) const {
     Values f = Values::Zero();
     for (int q = 0; q < n; ++q) {
       Tensor<dim> P = S[static_cast<std::size_t>(q)];
-      if (large) P += u * gradient(q) * P;
+      if (large) P += H.template middleCols<dim>(dim * q) * S[static_cast<std::size_t>(q)];
       f.noalias() += (weight[q] * P) * gradient(q).transpose();
     }
     return f;

@@ -39,6 +39,7 @@ class SolidShell {
  public:
   static constexpr int dimension = 3, nodes = 8, samples = 32;
   using Values = NodeValues<3, 8>;
+  using Motion = Values;
 
   /// `thin`: axis of the cell that is ζ.
   SolidShell(const Mesh<3>&, int cell, int thin);
@@ -46,6 +47,7 @@ class SolidShell {
   std::optional<EnhancedStrain<3, nodes>> added;
 
   /// As Continuum has them: of E in the points of quadrature without the enhanced strains.
+  const Motion& motion(const Values& u) const { return u; }
   Strains<3, 8> strains(const Values& u, bool large) const;
   auto rows(const Values& u, bool large) const {
     return [this, along = sample_rows(u, large)](int q) { return A_[static_cast<std::size_t>(q)] * along; };
