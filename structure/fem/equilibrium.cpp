@@ -1,9 +1,7 @@
-// What finite elements solve without time: equilibrium under the case's own load, and natural frequencies.
+// Equilibrium under the case's own load, without time.
 
 #include "proto/error.hpp"
-#include "structure/fem/modal.hpp"
 #include "structure/fem/solver.hpp"
-#include "structure/material/material.hpp"
 
 #include <fmt/format.h>
 
@@ -12,17 +10,6 @@
 #include <utility>
 
 namespace strake::structure::fem {
-namespace {
-
-constexpr double exact = 1e-12;
-
-double fastest_wave(const Solid& solid) {
-  double fastest = 0;
-  for (const Part& part : solid.parts) fastest = std::max(fastest, wave_speed(part.material));
-  return fastest;
-}
-
-}  // namespace
 
 template <int dim>
 void FemSolver<dim>::solve_static() {
@@ -72,29 +59,7 @@ void FemSolver<dim>::solve_static() {
   saved_ = state_;
 }
 
-template <int dim>
-std::vector<double> FemSolver<dim>::frequencies(int count) {
-  return frequencies(count, exact);
-}
-
-template <int dim>
-std::vector<double> FemSolver<dim>::frequencies(int count, double tolerance) const {
-  // Motions that the supports leave free have no frequency.
-  const int rigid = rigid_motions_left(mesh());
-  const Eigen::Vector3d size = solid_.node.rowwise().maxCoeff() - solid_.node.rowwise().minCoeff();
-  if (factors_.method != LinearMethod::direct) tolerance = std::max(tolerance, enough_for_a_line);
-  std::vector<double> f =
-      natural_frequencies(matrices_.stiffness, matrices_.mass, mesh().fixed, division(), count + rigid,
-                          size.maxCoeff() / fastest_wave(solid_), linear_solver(), tolerance);
-  f.erase(f.begin(), f.begin() + std::min<std::ptrdiff_t>(rigid, static_cast<std::ptrdiff_t>(f.size())));
-  return f;
-}
-
 template void FemSolver<2>::solve_static();
-template std::vector<double> FemSolver<2>::frequencies(int);
-template std::vector<double> FemSolver<2>::frequencies(int, double) const;
 template void FemSolver<3>::solve_static();
-template std::vector<double> FemSolver<3>::frequencies(int);
-template std::vector<double> FemSolver<3>::frequencies(int, double) const;
 
 }  // namespace strake::structure::fem

@@ -4,7 +4,6 @@
 #include "structure/body/surface.hpp"
 #include "structure/fem/fem.hpp"
 #include "structure/fem/mesh/refinement.hpp"
-#include "structure/fem/modal.hpp"
 #include "structure/material/material.hpp"
 
 #include <fmt/format.h>
@@ -56,8 +55,6 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
   factors_.method = division().alone()              ? chosen(asked, dim, mesh().n_unknowns())
                     : asked == LinearMethod::direct ? asked
                                                     : LinearMethod::cg_amg;
-  factors_.kept = linear_solver();
-  factors_.fresh = linear_solver();
   require_work_for(p.ranks, division().size(mesh().n_unknowns()));
   if (p.analysis == Analysis::statics) require_constrained(mesh());
   const int n = mesh().n_unknowns();
@@ -65,9 +62,10 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
   matrices_.stiffness = assembly_.tangent(zero);
   matrices_.node_mass = matrices_.mass * Eigen::VectorXd::Ones(n);
   matrices_.largest_node_mass = division().max(matrices_.node_mass.head(division().own(n)).maxCoeff());
-  matrices_.largest_stiffness = largest_in_own_rows(matrices_.stiffness);
+  const Matrix& K = matrices_.stiffness;
+  const Eigen::Index own_entries = K.outerIndexPtr()[division().own(n)];
+  matrices_.largest_stiffness = division().max(K.coeffs().head(own_entries).abs().maxCoeff());
 
-  summary_.cells = static_cast<int>(mesh().cell_division.size(mesh().n_cells()));
   summary_.most_unknowns = static_cast<int>(division().max(static_cast<double>(division().own(n))));
   summary_.fewest_unknowns = static_cast<int>(division().min(static_cast<double>(division().own(n))));
 
@@ -75,11 +73,9 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
   // A body for several ranks takes some tens of solutions for that line.
   if (division().alone()) summary_.first_frequency = frequencies(1, enough_for_a_line).front();
   // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
-  if (factors_.given_up->times > 0) {
-    factors_.method = LinearMethod::direct;
-    factors_.kept = linear_solver();
-    factors_.fresh = linear_solver();
-  }
+  if (factors_.given_up->times > 0) factors_.method = LinearMethod::direct;
+  factors_.kept = linear_solver();
+  factors_.fresh = linear_solver();
   if (p.failure.criterion != FailureCriterion::none) failure_.emplace(p.failure, mesh(), assembly_);
   start();
 }
@@ -111,17 +107,16 @@ void FemSolver<dim>::start() {
   if (failure_) state_.damage = failure_->intact();
   if (!scheme_.mid_point) {
     const Eigen::VectorXd force = own_load(0);
-    const auto A = support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, zero,
-                                                gravity_at(0).template head<dim>(), 1);
+    const auto frame_acceleration = [&](const Eigen::VectorXd& inertia) {
+      return support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, inertia,
+                                          gravity_at(0).template head<dim>(), 1);
+    };
     LinearSolver mass_factors = linear_solver();
     mass_factors.factorise(matrices_.mass, mesh().fixed);
-    Eigen::VectorXd r = force - support_motion_.inertia(A);
+    Eigen::VectorXd r = force - support_motion_.inertia(frame_acceleration(zero));
     clear_constrained(r);
-    state_.acceleration = support_motion_.correction(mass_factors, 1)(mass_factors, r);
-    const auto at_start = support_motion_.acceleration(scheme_, state_.frame, state_.frame, force,
-                                                       matrices_.mass * state_.acceleration,
-                                                       gravity_at(0).template head<dim>(), 1);
-    state_.frame.acceleration.template head<dim>() = at_start;
+    state_.acceleration = support_motion_.correction(mass_factors, 1)(mass_factors.solve(r));
+    state_.frame.acceleration.template head<dim>() = frame_acceleration(matrices_.mass * state_.acceleration);
   }
   saved_ = state_;
 }
@@ -162,12 +157,6 @@ double FemSolver<dim>::round_off(const Eigen::VectorXd& u, double kappa) const {
   constexpr double units = 2;
   return units * std::numeric_limits<double>::epsilon() *
          (matrices_.largest_stiffness + kappa * matrices_.largest_node_mass) * division().norm(u);
-}
-
-template <int dim>
-double FemSolver<dim>::largest_in_own_rows(const Matrix& matrix) const {
-  const Eigen::Index entries = matrix.outerIndexPtr()[division().own(matrix.rows())];
-  return division().max(matrix.coeffs().head(entries).abs().maxCoeff());
 }
 
 template <int dim>
@@ -221,34 +210,31 @@ Energy FemSolver<dim>::energy() const {
 }
 
 template <int dim>
-const PointInterpolation<dim>& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
+const typename FemSolver<dim>::Probe& FemSolver<dim>::probe(const Eigen::Vector3d& X) const {
   const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = probes_.places.find(key);
-  if (found == probes_.places.end())
-    found = probes_.places.emplace(key, PointInterpolation<dim>(discretisation_, X)).first;
+  auto found = probes_.find(key);
+  if (found == probes_.end()) {
+    const auto place = discretisation_.locate(X).front();
+    const auto shares = recovery_.shares(place.cell, place.weights);
+    found = probes_.emplace(key, Probe{PointInterpolation<dim>(discretisation_, X), shares}).first;
+  }
   return found->second;
 }
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::displacement_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.displacement).col(0) + state_.frame.displacement;
+  return probe(X).at.at_points(state_.displacement).col(0) + state_.frame.displacement;
 }
 
 template <int dim>
 Eigen::Vector3d FemSolver<dim>::velocity_at(const Eigen::Vector3d& X) const {
-  return probe(X).at_points(state_.velocity).col(0) + state_.frame.velocity;
+  return probe(X).at.at_points(state_.velocity).col(0) + state_.frame.velocity;
 }
 
 template <int dim>
 Stress FemSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
-  const std::array<double, 3> key{X.x(), X.y(), X.z()};
-  auto found = probes_.stress.find(key);
-  if (found == probes_.stress.end()) {
-    const auto place = discretisation_.locate(X).front();
-    found = probes_.stress.emplace(key, recovery_.shares(place.cell, place.weights)).first;
-  }
   Stress stress = Stress::Zero();
-  for (const auto& share : found->second)
+  for (const auto& share : probe(X).stress)
     stress += assembly_.cell_state(state_.displacement, share.cell).template topRows<6>() * share.weight;
   return division().sum(stress);
 }

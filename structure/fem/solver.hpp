@@ -57,7 +57,7 @@ class FemSolver final : public Solver {
   Frame frame() const override;
   std::vector<std::string> lines() const override;
   void solve_static() override;
-  std::vector<double> frequencies(int count) override;  // without rigid motions
+  std::vector<double> frequencies(int count) override { return frequencies(count, 1e-12); }
   Properties properties() override;
 
   const RankDivision& division() const { return mesh().division; }
@@ -84,6 +84,14 @@ class FemSolver final : public Solver {
     int steps = 0;
   };
 
+  /// What is given of a step: the state before it, the told motion of the supports after it, and the load.
+  struct GivenStep {
+    const State& old;
+    FrameState told;
+    Eigen::VectorXd force;  // [N]
+    double dt;              // [s]
+  };
+
   void start();
   Eigen::Vector3d gravity_at(double time) const;  // [m/s²]
   Eigen::VectorXd own_load(double time) const;    // gravity and [structure.load], [N]
@@ -91,27 +99,20 @@ class FemSolver final : public Solver {
   Matrix effective(Matrix tangent, double dt) const;
   void use_tangent(const State&);
   Eigen::VectorXd load_of_window(double t, double dt, const Load&) const;
-  Eigen::VectorXd damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const;
-  NewtonResult solve_step(const State& old, const FrameState& told, const Eigen::VectorXd& force, double dt,
-                          const Eigen::VectorXd& start);
-  Eigen::Matrix<double, dim, 1> frame_acceleration(const State& old, const FrameState& told,
-                                                   const Eigen::VectorXd& force,
-                                                   const Eigen::VectorXd& inertia, double dt) const;
-  void account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const;
+  Eigen::VectorXd damping_force(const GivenStep&, const Eigen::VectorXd& u1) const;
+  NewtonResult solve_step(const GivenStep&, Eigen::VectorXd start);
+  Eigen::Matrix<double, dim, 1> frame_acceleration(const GivenStep&, const Eigen::VectorXd& inertia) const;
+  void account(const GivenStep&, State& next) const;
   void step(double t, double dt, const Load&, int halved);
-  NewtonResult solve_softening(const State& old, const FrameState& told, const Eigen::VectorXd& force,
-                               double dt, typename Damage<dim>::State& damage);
+  NewtonResult solve_softening(const GivenStep&, typename Damage<dim>::State& damage);
   void clear_constrained(Eigen::VectorXd& unknowns) const;
   void turn_held(const FrameState&, Eigen::VectorXd& displacement) const;
-  double work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
-                      const Eigen::VectorXd& inertia) const;
+  double work_of_turn(const GivenStep&, const State& next, const Eigen::VectorXd& inertia) const;
   double round_off(const Eigen::VectorXd& u, double kappa) const;  // [N] of a step's forces at u
   LinearSolver linear_solver() const;
   std::string strain_line() const;
-  double largest_in_own_rows(const Matrix&) const;
   std::string linear_systems_line() const;
   std::vector<double> frequencies(int count, double tolerance) const;
-  const PointInterpolation<dim>& probe(const Eigen::Vector3d& X) const;
 
   // Relative tolerance of an iterative solve for a correction. The rest is left to the next correction, since
   // Newton's method computes the residual anew.
@@ -135,10 +136,10 @@ class FemSolver final : public Solver {
   SupportMotion<dim> support_motion_;
   InterfaceMesh interface_;
   PointInterpolation<dim> interpolation_;
-  Eigen::VectorXd load_shape_;                              // [N] of [structure.load] at full value
-  struct Summary {                                          // for the lines of a run
-    double first_frequency = 0;                             // [Hz]
-    int cells = 0, fewest_unknowns = 0, most_unknowns = 0;  // of the body, and of a rank
+  Eigen::VectorXd load_shape_;                   // [N] of [structure.load] at full value
+  struct Summary {                               // for the lines of a run
+    double first_frequency = 0;                  // [Hz]
+    int fewest_unknowns = 0, most_unknowns = 0;  // of a rank
   } summary_;
   State state_, saved_;
 
@@ -151,11 +152,13 @@ class FemSolver final : public Solver {
     double dt = 0;       // [s]
     int made = 0;        // so far
   } factors_;
-  // Interpolations to places that were asked for.
-  mutable struct Probes {
-    std::map<std::array<double, 3>, PointInterpolation<dim>> places;
-    std::map<std::array<double, 3>, std::vector<typename Recovery<dim>::Share>> stress;
-  } probes_;
+  // Places that were asked for.
+  struct Probe {
+    PointInterpolation<dim> at;
+    std::vector<typename Recovery<dim>::Share> stress;
+  };
+  mutable std::map<std::array<double, 3>, Probe> probes_;
+  const Probe& probe(const Eigen::Vector3d& X) const;
   int newton_iterations_ = 0;
 };
 

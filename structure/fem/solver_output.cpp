@@ -1,12 +1,13 @@
 #include "proto/error.hpp"
 #include "structure/body/beam.hpp"
+#include "structure/body/mass.hpp"
 #include "structure/fem/element/solid_shell.hpp"
-#include "structure/fem/mesh/joined_frame.hpp"
 #include "structure/fem/solver.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 // Output of a finite-element solver: checkpoints, frames, the lines of a run, the description of the body.
@@ -21,19 +22,15 @@ std::string law_and_frame(const Solid& solid) {
 
 /// What solid shells there are.
 std::string shell_line(const Mesh<3>& mesh, int shells) {
-  const Eigen::Index others = mesh.cell_division.size(mesh.n_cells()) - shells;
+  const int others = mesh.cells_of_body - shells;
   return fmt::format("solid shells: {} cells, thin along their shortest edges, up to {:.3g} times longer",
                      shells, slenderness(mesh)) +
          (others > 0 ? fmt::format("; {} cells in joints have enhanced strains", others) : "");
 }
-std::string shell_line(const Mesh<2>&, int) {
-  return "";
-}
 
 /// Names the solid shell where thin cells stand alone or two through the thickness; empty: they do not.
-std::string advice(const Mesh<3>& mesh, bool shells) {
+std::string advice(const Mesh<3>& mesh) {
   constexpr double thin = 10;  // length over thickness
-  if (shells) return "";
   const double slender = slenderness(mesh);
   if (slender < thin || has_core(mesh)) return "";
   return fmt::format(
@@ -41,18 +38,86 @@ std::string advice(const Mesh<3>& mesh, bool shells) {
       "structure.fem.strain = \"solid_shell\" is made for such plates",
       slender);
 }
-std::string advice(const Mesh<2>&, bool) {
-  return "";
+
+/// The cells of a frame that show one cell of the mesh: a Q2 cell shows as four quadrilaterals or eight
+/// hexahedra, nodes in ParaView's order. One column each, of places of nodes in the cell.
+template <int dim>
+Eigen::MatrixXi pieces_of_cell(int degree) {
+  const int row = degree + 1, layers = dim == 3 ? degree : 1;
+  Eigen::MatrixXi pieces(1 << dim, degree * degree * layers);
+  Eigen::Index at = 0;
+  for (int l = 0; l < layers; ++l)
+    for (int j = 0; j < degree; ++j)
+      for (int i = 0; i < degree; ++i, ++at)
+        for (int z = 0; z < dim - 1; ++z) {
+          const int first = ((l + z) * row + j) * row + i;
+          pieces.col(at).segment<4>(4 * z) << first, first + 1, first + row + 1, first + row;
+        }
+  return pieces;
+}
+
+/// Joins the points of all ranks on the first one, in the order of their numbers in the body, and adds the
+/// cells between them. The other ranks get an empty frame.
+template <int dim>
+Frame on_first(Frame frame, const Recovery<dim>& recovery, const Mesh<dim>& mesh, int parts) {
+  // A column for each point: its number, place and values; for each cell: its number, and those of its nodes.
+  Eigen::MatrixXd points(4, recovery.size()), cells(1 + mesh.cell.rows(), mesh.n_cells());
+  std::vector<int> own_points, own_cells;
+  for (int i = 0; i < recovery.size(); ++i) {
+    const int node = recovery.node()[static_cast<std::size_t>(i)],
+              part = recovery.part()[static_cast<std::size_t>(i)];
+    points.col(i) << static_cast<double>(parts) * (mesh.division.number(dim * node) / dim) + part,
+        frame.position.col(i);
+    if (mesh.division.owns(dim * node)) own_points.push_back(i);
+  }
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    cells.col(c) << mesh.number[static_cast<std::size_t>(c)],
+        points.row(0)(recovery.cell().col(c)).transpose();
+    if (mesh.owns(c)) own_cells.push_back(c);
+  }
+  for (const Frame::Array& array : frame.point_data) {
+    points.conservativeResize(points.rows() + array.value.rows(), Eigen::NoChange);
+    points.bottomRows(array.value.rows()) = array.value;
+  }
+  points = mesh.division.columns_on_first(points(Eigen::all, own_points));
+  cells = mesh.division.columns_on_first(cells(Eigen::all, own_cells));
+  if (!mesh.division.first()) return {};
+
+  frame.position = points.middleRows<3>(1);
+  Eigen::Index row = 4;
+  for (Frame::Array& array : frame.point_data) {
+    array.value = Eigen::MatrixXd(points.middleRows(row, array.value.rows()));
+    row += array.value.rows();
+  }
+  const Eigen::RowVectorXd number = points.row(0);
+  const Eigen::MatrixXi nodes = cells.bottomRows(mesh.cell.rows()).unaryExpr([&](double wanted) {
+    return static_cast<int>(std::lower_bound(number.begin(), number.end(), wanted) - number.begin());
+  });
+  const Eigen::MatrixXi pieces = pieces_of_cell<dim>(mesh.degree);
+  frame.cells.resize(pieces.rows(), cells.cols() * pieces.cols());
+  for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    frame.cells.middleCols(c * pieces.cols(), pieces.cols()) =
+        nodes.col(c)(pieces.reshaped()).reshaped(pieces.rows(), pieces.cols());
+  return frame;
+}
+
+/// The vectors of a checkpoint by name, of unknowns or of cells.
+template <class State>
+auto vectors_of(State& state) {
+  if constexpr (requires { state.onset; })
+    return std::array{std::pair("fem.onset", &state.onset), std::pair("fem.peak", &state.peak),
+                      std::pair("fem.end", &state.end)};
+  else
+    return std::array{
+        std::pair("fem.displacement", &state.displacement), std::pair("fem.velocity", &state.velocity),
+        std::pair("fem.acceleration", &state.acceleration), std::pair("fem.tangent_at", &state.tangent_at)};
 }
 
 }  // namespace
 
 template <int dim>
 void FemSolver<dim>::write(Archive& archive) const {
-  archive.real["fem.displacement"] = division().whole(saved_.displacement);
-  archive.real["fem.velocity"] = division().whole(saved_.velocity);
-  archive.real["fem.acceleration"] = division().whole(saved_.acceleration);
-  archive.real["fem.tangent_at"] = division().whole(saved_.tangent_at);
+  for (const auto& [name, values] : vectors_of(saved_)) archive.real[name] = division().whole(*values);
   archive.real["fem.scalars"] = Eigen::RowVector3d(saved_.time, saved_.external, saved_.tangent_dt);
   Eigen::Matrix<double, 3, 4> frame;
   frame << saved_.frame.displacement, saved_.frame.velocity, saved_.frame.acceleration, saved_.reaction;
@@ -60,9 +125,7 @@ void FemSolver<dim>::write(Archive& archive) const {
   archive.integer["fem.steps"] = {saved_.steps};
   if (!failure_) return;
   const auto& damage = saved_.damage;
-  archive.real["fem.onset"] = mesh().whole(damage.onset);
-  archive.real["fem.peak"] = mesh().whole(damage.peak);
-  archive.real["fem.end"] = mesh().whole(damage.end);
+  for (const auto& [name, values] : vectors_of(damage)) archive.real[name] = mesh().whole(*values);
   archive.real["fem.failure"] = damage.record.table();
   archive.real["fem.released"] = Eigen::MatrixXd::Constant(1, 1, damage.released);
   archive.integer["fem.eroded"] = {damage.eroded};
@@ -80,10 +143,7 @@ void FemSolver<dim>::read(const Archive& archive) {
     return found->second.reshaped();
   };
   const Eigen::Index n = division().size(mesh().n_unknowns());
-  state_.displacement = division().part(vector("fem.displacement", n));
-  state_.velocity = division().part(vector("fem.velocity", n));
-  state_.acceleration = division().part(vector("fem.acceleration", n));
-  state_.tangent_at = division().part(vector("fem.tangent_at", n));
+  for (const auto& [name, values] : vectors_of(state_)) *values = division().part(vector(name, n));
   const Eigen::VectorXd scalars = vector("fem.scalars", 3);
   state_.time = scalars(0);
   state_.external = scalars(1);
@@ -97,9 +157,8 @@ void FemSolver<dim>::read(const Archive& archive) {
   state_.steps = static_cast<int>(archive.integer.at("fem.steps").at(0));
   if (failure_) {
     auto& damage = state_.damage;
-    damage.onset = mesh().part_of_whole(vector("fem.onset", summary_.cells));
-    damage.peak = mesh().part_of_whole(vector("fem.peak", summary_.cells));
-    damage.end = mesh().part_of_whole(vector("fem.end", summary_.cells));
+    for (const auto& [name, values] : vectors_of(damage))
+      *values = mesh().part_of_whole(vector(name, mesh().cells_of_body));
     damage.record = FailureRecord::from(archive.real.at("fem.failure"));
     damage.released = archive.real.at("fem.released")(0);
     damage.eroded = archive.integer.at("fem.eroded").at(0);
@@ -108,6 +167,7 @@ void FemSolver<dim>::read(const Archive& archive) {
   saved_ = state_;
 }
 
+// Points are the pairs of a node and a part: every node is one, and where parts meet there is one for each.
 template <int dim>
 Frame FemSolver<dim>::frame() const {
   const std::vector<int>& node = recovery_.node();
@@ -118,35 +178,17 @@ Frame FemSolver<dim>::frame() const {
       values.col(i).head<dim>() = unknowns.segment<dim>(dim * node[static_cast<std::size_t>(i)]);
     return Points(values.colwise() + rigid);
   };
-  Frame frame;
-  frame.time = state_.time;
-  const Points displacement = on_points(state_.displacement, state_.frame.displacement);
-  frame.position = displacement;
-  for (Eigen::Index i = 0; i < n; ++i)
-    frame.position.col(i).head<dim>() += mesh().node.col(node[static_cast<std::size_t>(i)]);
-
-  // Every node is a point: a Q2 cell shows as four quadrilaterals or eight hexahedra, nodes in ParaView's
-  // order. Where parts meet there is a point for each.
-  const int pieces = mesh().degree, row = pieces + 1, layers = dim == 3 ? pieces : 1;
-  frame.cells.resize(1 << dim, mesh().n_cells() * pieces * pieces * layers);
-  Eigen::Index at = 0;
-  for (int c = 0; c < mesh().n_cells(); ++c)
-    for (int l = 0; l < layers; ++l)
-      for (int j = 0; j < pieces; ++j)
-        for (int i = 0; i < pieces; ++i) {
-          const auto point = [&](int x, int y, int z) {
-            return recovery_.cell()(((l + z) * row + j + y) * row + i + x, c);
-          };
-          auto cell = frame.cells.col(at++);
-          for (int z = 0; z < dim - 1; ++z)
-            cell.template segment<4>(4 * z) << point(0, 0, z), point(1, 0, z), point(1, 1, z), point(0, 1, z);
-        }
-
   const Eigen::Index points = mesh().n_quadrature;
   Eigen::MatrixXd state(Assembly<dim>::n_state, mesh().n_cells() * points);
   for (int c = 0; c < mesh().n_cells(); ++c)
     state.middleCols(c * points, points) = assembly_.cell_state(state_.displacement, c);
   const Eigen::MatrixXd recovered = recovery_.on_nodes(state.topRows<6>());
+  const Points displacement = on_points(state_.displacement, state_.frame.displacement);
+  Frame frame;
+  frame.time = state_.time;
+  frame.position = displacement;
+  for (Eigen::Index i = 0; i < n; ++i)
+    frame.position.col(i) += mesh().place(node[static_cast<std::size_t>(i)]);
   frame.point_data = {{"displacement", "m", displacement},
                       {"velocity", "m/s", on_points(state_.velocity, state_.frame.velocity)},
                       {"stress", "Pa", recovered},
@@ -156,13 +198,14 @@ Frame FemSolver<dim>::frame() const {
     const Eigen::RowVectorXd damage = failure_->in_nodes(state_.damage);
     frame.point_data.push_back({"damage", "1", damage(Eigen::all, node)});
   }
-  return division().alone() ? frame : joined_frame(frame, recovery_, mesh());
+  return on_first(std::move(frame), recovery_, mesh(), static_cast<int>(solid_.parts.size()));
 }
 
 /// What keeps cells from locking, or why nothing does; empty where they do not lock.
 template <int dim>
 std::string FemSolver<dim>::strain_line() const {
-  if (assembly_.shells() > 0) return shell_line(mesh(), assembly_.shells());
+  if constexpr (dim == 3)
+    if (assembly_.shells() > 0) return shell_line(mesh(), assembly_.shells());
   bool rubber = false, locks = mesh().degree == 1;
   for (const Part& part : solid_.parts) {
     rubber = rubber || part.material.model == MaterialModel::neo_hookean;
@@ -201,7 +244,7 @@ std::string FemSolver<dim>::linear_systems_line() const {
 template <int dim>
 std::vector<std::string> FemSolver<dim>::lines() const {
   std::vector<std::string> lines = {
-      fmt::format("fem ({})   {} cells Q{}, {} unknowns", library(), summary_.cells, mesh().degree,
+      fmt::format("fem ({})   {} cells Q{}, {} unknowns", library(), mesh().cells_of_body, mesh().degree,
                   division().size(mesh().n_unknowns())) +
           (division().alone() ? fmt::format("   f1 dry {:.1f} Hz", summary_.first_frequency) : ""),
       fmt::format("{}, {}", law_and_frame(solid_),
@@ -211,8 +254,9 @@ std::vector<std::string> FemSolver<dim>::lines() const {
   if (std::string line = frame_line(support_motion_.supports(), dim); !line.empty())
     lines.push_back(std::move(line));
   if (std::string line = strain_line(); !line.empty()) lines.push_back(std::move(line));
-  if (std::string line = advice(mesh(), assembly_.shells() > 0); !line.empty())
-    lines.push_back(std::move(line));
+  if constexpr (dim == 3)
+    if (std::string line = advice(mesh()); assembly_.shells() == 0 && !line.empty())
+      lines.push_back(std::move(line));
   lines.push_back(linear_systems_line());
   if (!division().alone())
     lines.push_back(fmt::format("{} ranks, {} to {} unknowns each", division().communicator().size(),
@@ -247,25 +291,13 @@ std::map<std::string, double> FemSolver<dim>::monitor() const {
   return monitor;
 }
 
-// Computes mass, centre and inertia with the consistent mass M, exact for the cells' shape:
-//   m = 1·M 1, m x̄ = 1·M X, I_z = x·M x + y·M y − m (x̄² + ȳ²)
 template <int dim>
 Properties FemSolver<dim>::properties() {
+  const MassProperties body = mass_of(solid_);
   Properties result;
-  const auto component = [&](int k, auto value) {
-    Eigen::VectorXd v = Eigen::VectorXd::Zero(mesh().n_unknowns());
-    for (int i = 0; i < mesh().n_nodes(); ++i) v(dim * i + k) = value(i);
-    return v;
-  };
-  for (int k = 0; k < dim; ++k) {
-    const Eigen::VectorXd one = component(k, [](int) { return 1.0; });
-    const Eigen::VectorXd x = component(k, [&](int i) { return mesh().node(k, i); });
-    result.mass = division().dot(one, matrices_.mass * one);
-    result.centre(k) = division().dot(one, matrices_.mass * x) / result.mass;
-    if (k < 2)
-      result.inertia +=
-          division().dot(x, matrices_.mass * x) - result.mass * result.centre(k) * result.centre(k);
-  }
+  result.mass = body.mass;
+  result.centre = body.centre;
+  result.inertia = body.inertia(2, 2);
   result.frequencies = frequencies(3);
   result.step = "any (implicit)";
   return result;

@@ -87,33 +87,24 @@ typename SupportMotion<dim>::Vector SupportMotion<dim>::gained(const Eigen::Vect
   return Vector(division_.sum(of_body)) + mass_.cwiseProduct(frame_change.head<dim>());
 }
 
+// J⁻¹ r = x + Z S⁻¹ Wᵀ x with x = A⁻¹ r, Z = A⁻¹ W, S = (m + M_L)/κ − Wᵀ Z.
 template <int dim>
 typename SupportMotion<dim>::Correction SupportMotion<dim>::correction(const LinearSolver& A,
                                                                        double kappa) const {
-  Correction result;
-  if (W_.cols() == 0) return result;
-  result.W_ = &W_;
-  result.division_ = division_;
-  result.Z_.resize(W_.rows(), W_.cols());
-  for (Eigen::Index k = 0; k < W_.cols(); ++k) result.Z_.col(k) = A.solve(W_.col(k));
-  Eigen::MatrixXd S = -result.W_times(result.Z_);
+  if (W_.cols() == 0) return [](const Eigen::VectorXd& x) { return x; };
+  Eigen::MatrixXd Z(W_.rows(), W_.cols());
+  for (Eigen::Index k = 0; k < W_.cols(); ++k) Z.col(k) = A.solve(W_.col(k));
+  Eigen::MatrixXd S = -W_times(Z);
   S.diagonal() += W_mass_ / kappa;
-  result.S_inverse_ = S.inverse();
-  return result;
+  return [this, Z, S_inverse = Eigen::MatrixXd(S.inverse())](const Eigen::VectorXd& x) {
+    return Eigen::VectorXd(x + Z * (S_inverse * W_times(x)));
+  };
 }
 
 template <int dim>
-Eigen::VectorXd SupportMotion<dim>::Correction::operator()(const LinearSolver& A, const Eigen::VectorXd& r,
-                                                           double tolerance) const {
-  Eigen::VectorXd x = A.solve(r, tolerance);
-  if (W_ != nullptr) x += Z_ * (S_inverse_ * W_times(x));
-  return x;
-}
-
-template <int dim>
-Eigen::MatrixXd SupportMotion<dim>::Correction::W_times(const Eigen::MatrixXd& x) const {
+Eigen::MatrixXd SupportMotion<dim>::W_times(const Eigen::MatrixXd& x) const {
   const Eigen::Index own = division_.own(x.rows());
-  return division_.sum(Eigen::MatrixXd(W_->topRows(own).transpose() * x.topRows(own)));
+  return division_.sum(Eigen::MatrixXd(W_.topRows(own).transpose() * x.topRows(own)));
 }
 
 template class SupportMotion<2>;

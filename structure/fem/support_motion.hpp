@@ -6,6 +6,8 @@
 #include "structure/fem/newmark.hpp"
 #include "structure/rigid/support_frame.hpp"
 
+#include <functional>
+
 namespace strake::structure::fem {
 
 /// The motion of the supports' frame as part of a step. With u relative to the frame and 1_k a unit motion of
@@ -38,28 +40,19 @@ class SupportMotion {
   Vector gained(const Eigen::VectorXd& velocity_change, const Eigen::Vector3d& frame_change) const;
   double lumped_mass(Eigen::Index axis) const { return supports_.is_free(axis) ? supports_.mass() : 0; }
 
-  /// Computes J⁻¹ r for J = A − κ Σ_free W_k W_kᵀ/(m_k + M_L) from A⁻¹, by Woodbury's formula. W = M 1 in the
-  /// free unknowns.
-  class Correction {
-   public:
-    Eigen::VectorXd operator()(const LinearSolver&, const Eigen::VectorXd& r, double tolerance = 1e-12) const;
-
-   private:
-    friend class SupportMotion;
-    Eigen::MatrixXd W_times(const Eigen::MatrixXd& x) const;  // Wᵀ x
-    RankDivision division_;
-    const Eigen::MatrixXd* W_ = nullptr;
-    Eigen::MatrixXd Z_, S_inverse_;  // A⁻¹ W; S = (m + M_L)/κ − Wᵀ Z
-  };
+  /// J⁻¹ r from A⁻¹ r for J = A − κ Σ_free W_k W_kᵀ/(m_k + M_L), by Woodbury's formula. W = M 1 in the free
+  /// unknowns.
+  using Correction = std::function<Eigen::VectorXd(const Eigen::VectorXd& x)>;
   Correction correction(const LinearSolver& A, double kappa) const;
 
  private:
   SupportFrame supports_;
   RankDivision division_;
-  Eigen::MatrixXd carried_;  // n×dim M 1_k
-  Vector mass_;              // m_k + M_L
-  Eigen::MatrixXd W_;        // n×(free axes)
-  Eigen::VectorXd W_mass_;   // m_k + M_L of those
+  Eigen::MatrixXd carried_;                                 // n×dim M 1_k
+  Vector mass_;                                             // m_k + M_L
+  Eigen::MatrixXd W_;                                       // n×(free axes)
+  Eigen::VectorXd W_mass_;                                  // m_k + M_L of those
+  Eigen::MatrixXd W_times(const Eigen::MatrixXd& x) const;  // Wᵀ x
 };
 
 }  // namespace strake::structure::fem

@@ -65,24 +65,23 @@ Eigen::VectorXd FemSolver<dim>::load_of_window(double t, double dt, const Load& 
   return own_load(time) + interpolation_.to_unknowns(on_points);
 }
 
-// C v_α for the step from `old` to u1.
+// C v_α for the step to u1.
 template <int dim>
-Eigen::VectorXd FemSolver<dim>::damping_force(const State& old, const Eigen::VectorXd& u1, double dt) const {
+Eigen::VectorXd FemSolver<dim>::damping_force(const GivenStep& step, const Eigen::VectorXd& u1) const {
   const Damping& damping = parameters_.damping;
+  const State& old = step.old;
   if (damping.mass == 0 && damping.stiffness == 0) return Eigen::VectorXd::Zero(u1.size());
-  const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, dt);
+  const Eigen::VectorXd v1 = scheme_.velocity(old.displacement, u1, old.velocity, old.acceleration, step.dt);
   const Eigen::VectorXd v = scheme_.alpha_f * old.velocity + (1 - scheme_.alpha_f) * v1;
   return damping.mass * (matrices_.mass * v) + damping.stiffness * (matrices_.stiffness * v);
 }
 
 template <int dim>
-Eigen::Matrix<double, dim, 1> FemSolver<dim>::frame_acceleration(const State& old, const FrameState& told,
-                                                                 const Eigen::VectorXd& force,
-                                                                 const Eigen::VectorXd& inertia,
-                                                                 double dt) const {
-  const Eigen::Vector3d gravity = gravity_at(old.time + (1 - scheme_.alpha_f) * dt);
-  return support_motion_.acceleration(scheme_, old.frame, told, force, inertia, gravity.template head<dim>(),
-                                      dt);
+Eigen::Matrix<double, dim, 1> FemSolver<dim>::frame_acceleration(const GivenStep& step,
+                                                                 const Eigen::VectorXd& inertia) const {
+  const Eigen::Vector3d gravity = gravity_at(step.old.time + (1 - scheme_.alpha_f) * step.dt);
+  return support_motion_.acceleration(scheme_, step.old.frame, step.told, step.force, inertia,
+                                      gravity.template head<dim>(), step.dt);
 }
 
 // Held unknowns of turning supports are not zero: Newton's method leaves them as its start has them.
@@ -95,22 +94,23 @@ void FemSolver<dim>::turn_held(const FrameState& frame, Eigen::VectorXd& u) cons
 
 // Work of the supports' forces on constrained unknowns, f + M a_m + M 1 A − F, along their displacement.
 template <int dim>
-double FemSolver<dim>::work_of_turn(const State& old, const State& next, const Eigen::VectorXd& force,
+double FemSolver<dim>::work_of_turn(const GivenStep& step, const State& next,
                                     const Eigen::VectorXd& inertia) const {
   if (!support_motion_.supports().turns()) return 0;
-  const Eigen::VectorXd inside = internal_force(old.displacement, next.displacement, scheme_.alpha_f);
+  const Eigen::VectorXd inside = internal_force(step.old.displacement, next.displacement, scheme_.alpha_f);
   double work = 0;
   for (const int i : mesh().fixed)
     if (division().owns(i))
-      work += (inside(i) + inertia(i) - force(i)) * (next.displacement(i) - old.displacement(i));
+      work += (inside(i) + inertia(i) - step.force(i)) * (next.displacement(i) - step.old.displacement(i));
   return division().sum(work);
 }
 
 // r(u1) = F − f(u0, u1) − C v_α − M a_m − M 1 A, in the unknowns that are free.
 template <int dim>
-NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told,
-                                        const Eigen::VectorXd& force, double dt,
-                                        const Eigen::VectorXd& start) {
+NewtonResult FemSolver<dim>::solve_step(const GivenStep& step, Eigen::VectorXd start) {
+  const State& old = step.old;
+  const Eigen::VectorXd& force = step.force;
+  const double dt = step.dt;
   const Eigen::VectorXd drift = old.displacement + dt * old.velocity;
   const double kappa = scheme_.inertia() / (dt * dt);
   Equilibrium equilibrium;
@@ -118,8 +118,8 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   equilibrium.residual = [&](const Eigen::VectorXd& u1) {
     const Eigen::VectorXd inside = internal_force(old.displacement, u1, scheme_.alpha_f);
     Eigen::VectorXd inertia = matrices_.mass * scheme_.mean_acceleration(u1 - drift, old.acceleration, dt);
-    inertia += support_motion_.inertia(frame_acceleration(old, told, force, inertia, dt));
-    Equilibrium::Residual r{.value = force - inside - damping_force(old, u1, dt) - inertia};
+    inertia += support_motion_.inertia(frame_acceleration(step, inertia));
+    Equilibrium::Residual r{.value = force - inside - damping_force(step, u1) - inertia};
     clear_constrained(r.value);
     r.scale = std::max({division().norm(force), division().norm(inside), division().norm(inertia)});
     r.floor = round_off(u1, kappa);
@@ -128,7 +128,7 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
   LinearSolver* factors = &factors_.kept;
   auto correction = support_motion_.correction(*factors, kappa);
   equilibrium.correction = [&](const Eigen::VectorXd& r) {
-    return correction(*factors, r, enough_of_a_correction);
+    return correction(factors->solve(r, enough_of_a_correction));
   };
   equilibrium.refresh = [&](const Eigen::VectorXd& u1) {
     factors = &factors_.fresh;
@@ -143,9 +143,8 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
     correction = support_motion_.correction(factors_.fresh, kappa);
     return true;
   };
-  Eigen::VectorXd from = start;
-  turn_held(told, from);
-  const NewtonResult result = solve(equilibrium, std::move(from), parameters_.fem.tolerance);
+  turn_held(step.told, start);
+  const NewtonResult result = solve(equilibrium, std::move(start), parameters_.fem.tolerance);
   newton_iterations_ = result.iterations;
   if (!result.converged)
     throw failed(old.time, fmt::format("Newton's method did not converge: {} iterations, residual {:.2e} N, "
@@ -159,19 +158,20 @@ NewtonResult FemSolver<dim>::solve_step(const State& old, const FrameState& told
 // on u1 − u0. Loads and supports change the momentum p of body and free frame; their work on the frame's
 // motion is ½(V0 + V1)·Δp. The work of the damping is subtracted.
 template <int dim>
-void FemSolver<dim>::account(const State& old, const Eigen::VectorXd& force, double dt, State& next) const {
+void FemSolver<dim>::account(const GivenStep& step, State& next) const {
+  const State& old = step.old;
   const Eigen::Vector3d gained = next.frame.velocity - old.frame.velocity;
   const auto momentum = support_motion_.gained(next.velocity - old.velocity, gained);
   const Eigen::Vector3d V = 0.5 * (old.frame.velocity + next.frame.velocity);
-  next.external += division().dot(force - damping_force(old, next.displacement, dt),
+  next.external += division().dot(step.force - damping_force(step, next.displacement),
                                   next.displacement - old.displacement) +
                    V.template head<dim>().dot(momentum);
   next.reaction.setZero();
   for (int axis = 0; axis < dim; ++axis) {
     double loads = 0;
-    for (Eigen::Index i = axis; i < division().own(force.size()); i += dim) loads += force[i];
+    for (Eigen::Index i = axis; i < division().own(step.force.size()); i += dim) loads += step.force[i];
     next.reaction[axis] =
-        (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / dt - division().sum(loads);
+        (momentum[axis] - support_motion_.lumped_mass(axis) * gained[axis]) / step.dt - division().sum(loads);
   }
 }
 
@@ -193,11 +193,10 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   if (!(std::abs(dt - old.tangent_dt) <= same_step * dt)) next.tangent_dt = dt;
   use_tangent(next);
 
-  const Eigen::VectorXd force = load_of_window(t, dt, load);
   next.frame = support_motion_.prescribed(old.frame, t + dt);
-  const NewtonResult result =
-      failure_ ? solve_softening(old, next.frame, force, dt, next.damage)
-               : solve_step(old, next.frame, force, dt, old.displacement + dt * old.velocity);
+  const GivenStep given{old, next.frame, load_of_window(t, dt, load), dt};
+  const NewtonResult result = failure_ ? solve_softening(given, next.damage)
+                                       : solve_step(given, old.displacement + dt * old.velocity);
   if (failure_ && halved < most_halvings &&
       division().max((failure_->integrity(old.damage) - failure_->integrity(next.damage)).maxCoeff()) >
           largest_fall) {
@@ -211,10 +210,10 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
   next.velocity = scheme_.velocity(old.displacement, result.x, old.velocity, old.acceleration, dt);
   next.acceleration = scheme_.acceleration(leap, old.acceleration, dt);
   const Eigen::VectorXd inertia = matrices_.mass * scheme_.mean_acceleration(leap, old.acceleration, dt);
-  const auto A = frame_acceleration(old, next.frame, force, inertia, dt);
+  const auto A = frame_acceleration(given, inertia);
   support_motion_.advance(scheme_, old.frame, A, dt, next.frame);
-  account(old, force, dt, next);
-  next.external += work_of_turn(old, next, force, inertia + support_motion_.inertia(A));
+  account(given, next);
+  next.external += work_of_turn(given, next, inertia + support_motion_.inertia(A));
   if (result.refreshed || result.iterations > iterations_of_a_good_tangent ||
       next.damage.released != old.damage.released)
     next.tangent_at = result.x;
@@ -229,20 +228,19 @@ void FemSolver<dim>::step(double t, double dt, const Load& load, int halved) {
 // It is a fixed-point iteration on u1 and h1, until s changes by less than 1e-3. A difference that is left
 // does not break the energy balance, since the balance uses the s of the forces.
 template <int dim>
-NewtonResult FemSolver<dim>::solve_softening(const State& old, const FrameState& told,
-                                             const Eigen::VectorXd& force, double dt,
-                                             typename Damage<dim>::State& damage) {
+NewtonResult FemSolver<dim>::solve_softening(const GivenStep& step, typename Damage<dim>::State& damage) {
+  const State& old = step.old;
   constexpr int most_passes = 40;
   constexpr double still = 1e-3;  // of a share
   const Eigen::VectorXd before = failure_->integrity(old.damage);
   Eigen::VectorXd carried = before;
   NewtonResult result;
-  Eigen::VectorXd start = old.displacement + dt * old.velocity;
+  Eigen::VectorXd start = old.displacement + step.dt * old.velocity;
   for (int pass = 0;; ++pass) {
     assembly_.damage(carried);
-    result = solve_step(old, told, force, dt, start);
+    result = solve_step(step, start);
     damage = old.damage;
-    if (!failure_->look(result.x, old.time + dt, damage)) break;
+    if (!failure_->look(result.x, old.time + step.dt, damage)) break;
     const Eigen::VectorXd mean = 0.5 * (before + failure_->integrity(damage));
     const double change = division().max((mean - carried).cwiseAbs().maxCoeff());
     if (change <= still || pass == most_passes) break;

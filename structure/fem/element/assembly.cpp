@@ -1,9 +1,10 @@
 #include "structure/fem/element/assembly.hpp"
 
+#include "structure/fem/element/cell_step.hpp"
 #include "structure/fem/element/cell_sums.hpp"
-#include "structure/fem/element/solid_shell.hpp"
 
-#include <algorithm>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+
 #include <cassert>
 #include <utility>
 
@@ -22,37 +23,75 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
   }
   if constexpr (dim == 3)
     if (strain == StrainField::solid_shell) thin_ = thin_axes(mesh);
-  // Nodes that share a cell, ascending.
-  const int per_cell = static_cast<int>(mesh.cell.rows());
-  std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));
-  for (int c = 0; c < mesh.n_cells(); ++c)
-    for (int a = 0; a < per_cell; ++a)
-      for (int b = 0; b < per_cell; ++b)
-        neighbours[static_cast<std::size_t>(mesh.cell(a, c))].push_back(mesh.cell(b, c));
+  // Nodes that share a cell, and between them a block of components.
+  const Eigen::Matrix<unsigned int, Eigen::Dynamic, Eigen::Dynamic> cell =
+      mesh.cell.template cast<unsigned int>();
+  dealii::DynamicSparsityPattern neighbours(static_cast<unsigned int>(mesh.n_nodes()));
+  for (const auto& nodes : cell.colwise())
+    for (const unsigned int a : nodes) neighbours.add_entries(a, nodes.data(), nodes.data() + nodes.size());
   pattern_.resize(mesh.n_unknowns(), mesh.n_unknowns());
-  int* const begin = pattern_.outerIndexPtr();
-  for (int a = 0; a < mesh.n_nodes(); ++a) {
-    auto& row = neighbours[static_cast<std::size_t>(a)];
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    for (int i = dim * a; i < dim * (a + 1); ++i)
-      begin[i + 1] = begin[i] + dim * static_cast<int>(row.size());
-  }
-  pattern_.resizeNonZeros(begin[mesh.n_unknowns()]);
-  pattern_.coeffs().setZero();
-  int* column = pattern_.innerIndexPtr();
-  for (const auto& row : neighbours)
-    for (int i = 0; i < dim; ++i)
-      for (const int b : row)
-        for (int j = 0; j < dim; ++j) *column++ = dim * b + j;
-  slot_.reserve(static_cast<std::size_t>(mesh.n_cells() * per_cell * per_cell));
-  for (int c = 0; c < mesh.n_cells(); ++c)
-    for (int a = 0; a < per_cell; ++a) {
-      const auto& row = neighbours[static_cast<std::size_t>(mesh.cell(a, c))];
-      for (int b = 0; b < per_cell; ++b)
-        slot_.push_back(
-            dim * static_cast<int>(std::lower_bound(row.begin(), row.end(), mesh.cell(b, c)) - row.begin()));
+  pattern_.resizeNonZeros(dim * dim * static_cast<Eigen::Index>(neighbours.n_nonzero_elements()));
+  int *row_begin = pattern_.outerIndexPtr(), *column = pattern_.innerIndexPtr();
+  for (unsigned int a = 0; a < neighbours.n_rows(); ++a)
+    for (int i = 0; i < dim; ++i) {
+      for (auto b = neighbours.begin(a); b != neighbours.end(a); ++b)
+        for (int j = 0; j < dim; ++j) *column++ = dim * static_cast<int>(b->column()) + j;
+      *++row_begin = static_cast<int>(column - pattern_.innerIndexPtr());
     }
+  pattern_.coeffs().setZero();
+}
+
+template <int dim>
+template <class Local, class Compute>
+Matrix Assembly<dim>::scatter(const Local& sample, const Compute& compute) const {
+  Matrix result = pattern_;
+  const int* const row_begin = result.outerIndexPtr();
+  sum_over_cells(mesh_.n_cells(), sample, compute, [&](int c, const Local& local) {
+    const auto nodes = mesh_.cell.col(c);
+    for (int a = 0; a < nodes.size(); ++a)
+      for (int b = 0; b < nodes.size(); ++b) {
+        const int row = dim * nodes(a);
+        double* const block = &result.coeffRef(row, dim * nodes(b));  // the rows of a node have one pattern
+        for (int i = 0; i < dim; ++i)
+          for (int j = 0; j < dim; ++j)
+            block[row_begin[row + i] - row_begin[row] + j] += local(dim * a + i, dim * b + j);
+      }
+  });
+  return result;
+}
+
+template <int dim>
+Eigen::VectorXd Assembly<dim>::internal_force(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1,
+                                              double alpha) const {
+  return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
+    constexpr int n = nodes;
+    using Values = NodeValues<dim, n>;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(mesh_.n_unknowns());
+    const auto compute = [&](int c, Values& sum) {
+      sum = share(c) * with_element<n>(c, [&](const auto& element, const Material& m) {
+              return force_of_step(element, gather<dim, n>(mesh_, u0, c), gather<dim, n>(mesh_, u1, c), alpha,
+                                   m);
+            });
+    };
+    sum_over_cells(mesh_.n_cells(), Values(), compute, [&](int c, const Values& sum) {
+      for (int a = 0; a < n; ++a) force.template segment<dim>(dim * mesh_.cell(a, c)) += sum.col(a);
+    });
+    return force;
+  });
+}
+
+template <int dim>
+Matrix Assembly<dim>::tangent(const Eigen::VectorXd& u0, const Eigen::VectorXd& u1, double alpha) const {
+  return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
+    constexpr int n = nodes;
+    using Local = Eigen::Matrix<double, dim * n, dim * n>;
+    return scatter(Local(), [&](int c, Local& local) {
+      with_element<n>(c, [&](const auto& element, const Material& m) {
+        tangent_of_step(element, gather<dim, n>(mesh_, u0, c), gather<dim, n>(mesh_, u1, c), alpha, m, local);
+      });
+      local *= share(c);
+    });
+  });
 }
 
 template <int dim>
@@ -69,6 +108,13 @@ Matrix Assembly<dim>::mass() const {
             local(dim * a + i, dim * b + i) += weight * mesh_.shape(a, q) * mesh_.shape(b, q);
     }
   });
+}
+
+template <int dim>
+int Assembly<dim>::shells() const {
+  int count = 0;
+  for (int c = 0; c < mesh_.n_cells(); ++c) count += thin_axis(c) >= 0 && mesh_.owns(c) ? 1 : 0;
+  return static_cast<int>(mesh_.division.sum(count));
 }
 
 template <int dim>

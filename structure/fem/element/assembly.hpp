@@ -8,19 +8,11 @@
 #include <Eigen/SparseCore>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace strake::structure::fem {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
-/// Means over an undamaged cell.
-template <int dim>
-struct CellMean {
-  double energy = 0;                                 // [J/m³] ψ
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // [Pa] Cauchy
-};
 
 /// Integrals over the cells, total Lagrangian: everything refers to the reference configuration X.
 ///
@@ -71,15 +63,9 @@ class Assembly {
   /// The axis of a cell that is a solid shell, −1 for all others.
   int thin_axis(int cell) const { return thin_.empty() ? -1 : thin_[static_cast<std::size_t>(cell)]; }
   /// How many cells are solid shells, of all ranks.
-  int shells() const {
-    int count = 0;
-    for (int c = 0; c < mesh_.n_cells(); ++c) count += thin_axis(c) >= 0 && mesh_.owns(c) ? 1 : 0;
-    return static_cast<int>(mesh_.division.sum(count));
-  }
+  int shells() const;
   bool any_enhanced() const { return std::find(enhanced_.begin(), enhanced_.end(), 1) != enhanced_.end(); }
 
-  /// Of one cell, whatever its share.
-  CellMean<dim> mean(const Eigen::VectorXd& u, int cell) const;
   const Material& material(int cell) const {
     return part_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])].material;
   }
@@ -89,32 +75,30 @@ class Assembly {
   void damage(Eigen::VectorXd integrity);
   bool intact() const { return integrity_.size() == 0 || integrity_.minCoeff() == 1; }
   static constexpr double residual = 1e-5;
+  double share(int cell) const {
+    return integrity_.size() == 0 ? 1 : integrity_(cell) == 0 ? residual : integrity_(cell);
+  }
 
  private:
   /// Sum of the cells' matrices, which `compute(c, matrix)` makes of the sample (cell_sums.hpp).
   template <class Local, class Compute>
   Matrix scatter(const Local& sample, const Compute& compute) const;
-  /// E in the points of quadrature of a cell, with the strains it adds.
-  template <int n>
-  std::array<Eigen::Matrix<double, dim, dim>, static_cast<std::size_t>(n)> strains(const Eigen::VectorXd& u,
-                                                                                   int cell) const;
+  /// Calls `use` with the element of a cell, of `n` nodes, and its material (cell_sums.hpp).
+  template <int n, class Use>
+  decltype(auto) with_element(int cell, const Use& use) const;
 
   const Mesh<dim>& mesh_;
   bool eroded(int cell) const { return integrity_.size() > 0 && integrity_(cell) == 0; }
-  double share(int cell) const {
-    return integrity_.size() == 0 ? 1 : integrity_(cell) == 0 ? residual : integrity_(cell);
-  }
   const Material& of(int cell) const {
     if (eroded(cell)) return eroded_[static_cast<std::size_t>(mesh_.part[static_cast<std::size_t>(cell)])];
     return material(cell);
   }
   std::vector<Part> part_;
-  std::vector<Material> eroded_;                        // of the parts: linear
-  std::vector<char> enhanced_;                          // of the parts
-  std::vector<int> thin_;                               // of the cells, see thin_axis; empty: no solid shells
-  Eigen::VectorXd integrity_;                           // empty: intact
-  Eigen::SparseMatrix<char, Eigen::RowMajor> pattern_;  // without values
-  std::vector<int> slot_;  // per cell and node pair: where in the row of node a the columns of node b begin
+  std::vector<Material> eroded_;  // of the parts: linear
+  std::vector<char> enhanced_;    // of the parts
+  std::vector<int> thin_;         // of the cells, see thin_axis; empty: no solid shells
+  Eigen::VectorXd integrity_;     // empty: intact
+  Matrix pattern_;                // of zeros
 };
 
 }  // namespace strake::structure::fem

@@ -1,13 +1,9 @@
 #include "structure/fem/element/assembly.hpp"
 #include "structure/fem/element/cell_sums.hpp"
-#include "structure/fem/element/energy_balance.hpp"
-#include "structure/fem/element/enhanced.hpp"
-#include "structure/fem/element/solid_shell.hpp"
 
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <array>
 
 namespace strake::structure::fem {
 namespace {
@@ -29,24 +25,15 @@ Eigen::Matrix3d cauchy_stress(const Material& m, const Tensor<dim>& H, const Ten
   return stress;
 }
 
-}  // namespace
-
-template <int dim>
-template <int n>
-std::array<Tensor<dim>, static_cast<std::size_t>(n)> Assembly<dim>::strains(const Eigen::VectorXd& u,
-                                                                            int cell) const {
-  const CellView<dim, n> view{mesh_};
-  const Material& m = of(cell);
-  const auto values = view.gather(u, cell);
-  if constexpr (dim == 3 && n == SolidShell::n)
-    if (const int thin = thin_axis(cell); thin >= 0) return SolidShell(mesh_, cell, thin).strains(values, m);
-  Strains<dim, n> E;
-  for (int q = 0; q < n; ++q)
-    E[static_cast<std::size_t>(q)] =
-        strain_of<dim>(Tensor<dim>(values * view.gradient(cell * n + q)), is_large(m));
-  if (is_enhanced(cell)) EnhancedStrain<dim, n>(mesh_, cell).add_to(E, m);
+/// E in the points of quadrature, with the strains that the element adds.
+template <class Element>
+auto strains_at(const Element& element, const typename Element::Values& u, const Material& m) {
+  auto E = element.strains(element.motion(u), is_large(m));
+  if (element.added) element.added->add_to(E, m);
   return E;
 }
+
+}  // namespace
 
 template <int dim>
 double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
@@ -56,11 +43,14 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
     const auto compute = [&](int c, double& sum) {
       sum = 0;
       if (!mesh_.owns(c)) return;
-      const Strains<dim, n> E = strains<n>(u, c);
-      for (int q = 0; q < n; ++q)
-        sum += mesh_.weight(c * n + q) * energy_of_strain<dim>(of(c), E[static_cast<std::size_t>(q)]);
+      with_element<n>(c, [&](const auto& element, const Material& m) {
+        const Strains<dim, n> E = strains_at(element, gather<dim, n>(mesh_, u, c), m);
+        for (int q = 0; q < n; ++q)
+          sum += element.weight[q] * energy_of_strain<dim>(m, E[static_cast<std::size_t>(q)]);
+      });
+      sum *= share(c);
     };
-    sum_over_cells(mesh_.n_cells(), 0.0, compute, [&](int c, double sum) { energy += share(c) * sum; });
+    sum_over_cells(mesh_.n_cells(), 0.0, compute, [&](int, double sum) { energy += sum; });
     return mesh_.division.sum(energy);
   });
 }
@@ -68,13 +58,14 @@ double Assembly<dim>::strain_energy(const Eigen::VectorXd& u) const {
 template <int dim>
 double Assembly<dim>::smallest_jacobian(const Eigen::VectorXd& u) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
-    const CellView<dim, decltype(nodes)::value> view{mesh_};
+    constexpr int n = nodes;
     double smallest = 1;
     for (int c = 0; c < mesh_.n_cells(); ++c) {
       if (!is_large(of(c))) continue;
-      const auto values = view.gather(u, c);
-      for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-        const Tensor<dim> F = Tensor<dim>::Identity() + values * view.gradient(q);
+      const auto values = gather<dim, n>(mesh_, u, c);
+      const Continuum<dim, n> element(mesh_, c, false);
+      for (int q = 0; q < n; ++q) {
+        const Tensor<dim> F = Tensor<dim>::Identity() + values * element.gradient(q);
         smallest = std::min(smallest, F.determinant());
       }
     }
@@ -86,50 +77,27 @@ template <int dim>
 Eigen::MatrixXd Assembly<dim>::cell_state(const Eigen::VectorXd& u, int cell) const {
   return with_nodes<dim>(mesh_.degree, [&](auto nodes) -> Eigen::MatrixXd {
     constexpr int n = nodes;
-    const CellView<dim, n> view{mesh_};
-    const Material& m = of(cell);
-    const auto values = view.gather(u, cell);
-    const Strains<dim, n> E = strains<n>(u, cell);
+    const auto values = gather<dim, n>(mesh_, u, cell);
+    const Continuum<dim, n> place(mesh_, cell, false);
     Eigen::MatrixXd state(n_state, n);
-    for (int q = 0; q < n; ++q) {
-      const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
-      const Tensor<dim> H = values * view.gradient(cell * n + q);
-      const Eigen::Matrix3d stress = share(cell) * cauchy_stress<dim>(m, H, strain);
-      state.col(q) << stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2),
-          share(cell) * energy_of_strain<dim>(m, strain);
-    }
-    return state;
-  });
-}
-
-template <int dim>
-CellMean<dim> Assembly<dim>::mean(const Eigen::VectorXd& u, int c) const {
-  return with_nodes<dim>(mesh_.degree, [&](auto nodes) {
-    const CellView<dim, decltype(nodes)::value> view{mesh_};
-    const Material& m = material(c);
-    const auto values = view.gather(u, c);
-    CellMean<dim> mean;
-    double volume = 0;
-    for (int q = c * mesh_.n_quadrature; q < (c + 1) * mesh_.n_quadrature; ++q) {
-      const Tensor<dim> H = values * view.gradient(q), E = strain_of<dim>(H, is_large(m));
-      const double weight = mesh_.weight(q);
-      mean.energy += weight * energy_of_strain<dim>(m, E);
-      mean.stress += weight * cauchy_stress<dim>(m, H, E);
-      volume += weight;
-    }
-    mean.energy /= volume;
-    mean.stress /= volume;
-    return mean;
+    with_element<n>(cell, [&](const auto& element, const Material& m) {
+      const Strains<dim, n> E = strains_at(element, values, m);
+      for (int q = 0; q < n; ++q) {
+        const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
+        const Eigen::Matrix3d stress = cauchy_stress<dim>(m, values * place.gradient(q), strain);
+        state.col(q) << stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2),
+            energy_of_strain<dim>(m, strain);
+      }
+    });
+    return share(cell) * state;
   });
 }
 
 template double Assembly<2>::strain_energy(const Eigen::VectorXd&) const;
 template double Assembly<2>::smallest_jacobian(const Eigen::VectorXd&) const;
 template Eigen::MatrixXd Assembly<2>::cell_state(const Eigen::VectorXd&, int) const;
-template CellMean<2> Assembly<2>::mean(const Eigen::VectorXd&, int) const;
 template double Assembly<3>::strain_energy(const Eigen::VectorXd&) const;
 template double Assembly<3>::smallest_jacobian(const Eigen::VectorXd&) const;
 template Eigen::MatrixXd Assembly<3>::cell_state(const Eigen::VectorXd&, int) const;
-template CellMean<3> Assembly<3>::mean(const Eigen::VectorXd&, int) const;
 
 }  // namespace strake::structure::fem

@@ -99,17 +99,12 @@ double Damage<dim>::band(int cell, const Eigen::Vector3d& normal) const {
   using Vector = Eigen::Matrix<double, dim, 1>;
   const Vector n = normal.template head<dim>(), centre = middle(cell).template head<dim>();
   const Eigen::Map<const Eigen::Matrix<double, dim, dim>> inverse(mesh_.centre_inverse.col(cell).data());
-  const int row = mesh_.degree + 1, corners = 1 << dim;
+  constexpr int corners = 1 << dim;
   Vector slope = Vector::Zero();  // ∂φ/∂ξ
-  for (int c = 0; c < corners; ++c) {
-    int node = 0;  // of the corner in the cell
+  for (int k = 0; k < corners; ++k) {
     Vector place;
-    for (int k = dim - 1; k >= 0; --k) {
-      const int far = (c >> k) & 1;
-      node = node * row + far * mesh_.degree;
-      place(k) = 2 * far - 1;
-    }
-    if (n.dot(mesh_.node.col(mesh_.cell(node, cell)) - centre) > 0) slope += place / corners;
+    for (int axis = 0; axis < dim; ++axis) place(axis) = 2 * ((k >> axis) & 1) - 1;
+    if (n.dot(mesh_.node.col(mesh_.corner(cell, k)) - centre) > 0) slope += place / corners;
   }
   return 1 / n.dot(inverse.transpose() * slope);
 }
@@ -138,16 +133,20 @@ bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) cons
   };
   for (int c = 0; c < mesh_.n_cells(); ++c) {
     if (!mesh_.owns(c) || eroded(state, c)) continue;
-    const CellMean<dim> mean = assembly_.mean(u, c);
-    const double y = std::sqrt(mean.energy);
+    // Means over the cell as if it were undamaged: Cauchy stress and energy density.
+    const auto weight = mesh_.weight.segment(c * mesh_.n_quadrature, mesh_.n_quadrature);
+    const Eigen::Matrix<double, 7, 1> mean =
+        assembly_.cell_state(u, c) * weight / (assembly_.share(c) * weight.sum());
+    Eigen::Matrix3d sigma;
+    sigma << mean(0), mean(1), mean(2), mean(1), mean(3), mean(4), mean(2), mean(4), mean(5);
+    const double y = std::sqrt(mean(6));
     if (state.onset(c) == 0) {
-      const double stress = equivalent_stress(keys_.criterion, mean.stress);
+      const double stress = equivalent_stress(keys_.criterion, sigma);
       if (!(stress > keys_.strength)) continue;
       // ψ grows with the square of the stress: where within the step the strength was reached.
       state.onset(c) = y * keys_.strength / stress;
-      state.end(c) =
-          std::max(keys_.fracture_energy / (band(c, principal_direction(mean.stress)) * state.onset(c)),
-                   state.onset(c) * (1 + 1e-9));
+      state.end(c) = std::max(keys_.fracture_energy / (band(c, principal_direction(sigma)) * state.onset(c)),
+                              state.onset(c) * (1 + 1e-9));
       note(begins, stress, c);
     } else if (!(y > state.peak(c))) {
       continue;
@@ -160,7 +159,7 @@ bool Damage<dim>::look(const Eigen::VectorXd& u, double time, State& state) cons
   }
   if (!mesh_.division.any(more)) return false;
   for (Eigen::VectorXd* const of_cells : {&state.onset, &state.peak, &state.end})
-    *of_cells = mesh_.from_owners(*of_cells);
+    *of_cells = mesh_.part_of_whole(mesh_.whole(*of_cells));
   begins = mesh_.division.largest(begins);
   breaks = mesh_.division.largest(breaks);
   FailureRecord& record = state.record;

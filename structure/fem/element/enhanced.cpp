@@ -27,65 +27,78 @@ Eigen::VectorXd downhill(const Eigen::MatrixXd& H, const Eigen::VectorXd& r) {
   return eigen.vectors * Eigen::VectorXd(Eigen::VectorXd(eigen.vectors.transpose() * r).cwiseQuotient(size));
 }
 
-/// Whether a symmetric tensor is positive definite: whether the pivots of its elimination are positive.
+/// J_0⁻ᵀ M J_0⁻¹ with `value` in ij and ji of M, half of it in each.
 template <int dim>
-bool is_positive_definite(Tensor<dim> A) {
-  for (int k = 0; k < dim; ++k) {
-    if (!(A(k, k) > 0)) return false;
-    for (int i = k + 1; i < dim; ++i)
-      for (int j = k + 1; j <= i; ++j) A(i, j) -= A(i, k) * A(j, k) / A(k, k);
-  }
-  return true;
+Components<dim> mode(const Tensor<dim>& inverse, int i, int j, double value) {
+  Tensor<dim> M = Tensor<dim>::Zero();
+  M(i, j) += 0.5 * value;
+  M(j, i) += 0.5 * value;
+  return strain_components<dim>(inverse.transpose() * M * inverse);
 }
 
-Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  return A.ldlt().solve(b);
+void fill_shell(auto& G, const Tensor<3>& inverse, const auto& xi, int thin) {
+  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
+  int k = 0;
+  for (const int i : {a, b}) G.col(k++) = mode<3>(inverse, i, i, xi(i));
+  for (const int i : {a, b}) G.col(k++) = mode<3>(inverse, a, b, xi(i));
+  for (const double along : {1.0, xi(a), xi(b)}) G.col(k++) = mode<3>(inverse, thin, thin, xi(thin) * along);
+}
+
+template <int dim>
+void fill_linear(auto& G, const Tensor<dim>& inverse, const auto& xi) {
+  int k = 0;
+  for (int i = 0; i < dim; ++i) G.col(k++) = mode<dim>(inverse, i, i, xi(i));
+  for (int i = 0; i < dim; ++i)
+    for (int j = i + 1; j < dim; ++j) {
+      G.col(k++) = mode<dim>(inverse, i, j, xi(i));
+      G.col(k++) = mode<dim>(inverse, i, j, xi(j));
+    }
+  if constexpr (dim == 3)
+    for (int i = 0; i < dim; ++i)
+      G.col(k++) = strain_components<dim>(xi(i) * xi((i + 1) % dim) * Tensor<dim>::Identity());
+}
+
+template <int dim>
+void fill_quadratic(auto& G, const auto& xi) {
+  const auto legendre = [](int degree, double x) {
+    return degree == 0 ? 1 : degree == 1 ? x : 0.5 * (3 * x * x - 1);
+  };
+  int k = 0;
+  for (int c = 0; c < (dim == 3 ? 3 : 1); ++c)
+    for (int b = 0; b < 3; ++b)
+      for (int a = 0; a < 3; ++a) {
+        if (a + b + c < 2) continue;
+        double p = legendre(a, xi(0)) * legendre(b, xi(1));
+        if constexpr (dim == 3) p *= legendre(c, xi(2));
+        G.col(k++) = strain_components<dim>(p * Tensor<dim>::Identity());
+      }
 }
 
 }  // namespace
 
-Eigen::MatrixXd condensed(const Eigen::MatrixXd& L, const Eigen::MatrixXd& H, const Eigen::MatrixXd& L1) {
-  const Eigen::MatrixXd right = L1.transpose();
-  const Eigen::MatrixXd solved = H.ldlt().solve(right);
-  return L * solved;
-}
-
 template <int dim, int n>
-template <class Fill>
-void EnhancedStrain<dim, n>::fill(const Mesh<dim>& mesh, int cell, int count, const Fill& fill_one) {
-  double volume = 0;
-  for (int q = 0; q < n; ++q) volume += weight_[q];
+EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell, int thin)
+    : weight_(mesh.weight.data() + cell * n) {
+  constexpr int of_a_shell = 7;
+  const double volume = Eigen::Map<const Eigen::VectorXd>(weight_, n).sum();
   const Tensor<dim> inverse = Eigen::Map<const Tensor<dim>>(mesh.centre_inverse.col(cell).data());
   for (int q = 0; q < n; ++q) {
-    const double scale = volume * mesh.reference_weight(q) / weight_[q];
     Modes& G = modes_[static_cast<std::size_t>(q)];
-    G.resize(components<dim>, count);
-    fill_one(G, inverse, mesh.point.col(q));
-    G *= scale;
+    G.resize(components<dim>, thin >= 0 ? of_a_shell : modes);
+    if constexpr (n != (1 << dim)) {
+      fill_quadratic<dim>(G, mesh.point.col(q));
+    } else if constexpr (dim == 3) {
+      thin >= 0 ? fill_shell(G, inverse, mesh.point.col(q), thin)
+                : fill_linear<dim>(G, inverse, mesh.point.col(q));
+    } else {
+      fill_linear<dim>(G, inverse, mesh.point.col(q));
+    }
+    G *= volume * mesh.reference_weight(q) / weight_[q];
   }
 }
 
 template <int dim, int n>
-EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell)
-    : weight_(mesh.weight.data() + cell * n) {
-  fill(mesh, cell, modes, [](Modes& G, const Tensor<dim>& inverse, const auto& xi) {
-    if constexpr (n == (1 << dim))
-      fill_linear(G, inverse, xi);
-    else
-      fill_quadratic(G, xi);
-  });
-}
-
-template <int dim, int n>
-EnhancedStrain<dim, n>::EnhancedStrain(const Mesh<dim>& mesh, int cell, int thin) requires(dim == 3 && n == 8)
-    : weight_(mesh.weight.data() + cell * n) {
-  constexpr int of_a_shell = 7;
-  fill(mesh, cell, of_a_shell,
-       [thin](Modes& G, const Tensor<dim>& inverse, const auto& xi) { fill_shell(G, inverse, xi, thin); });
-}
-
-template <int dim, int n>
-Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strains& E) const {
+Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strains<dim, n>& E) const {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(count(), count());
   for (int q = 0; q < n; ++q) {
     H.noalias() += weight_[q] * at(q).transpose() * (moduli<dim>(m, E[static_cast<std::size_t>(q)]) * at(q));
@@ -94,16 +107,16 @@ Eigen::MatrixXd EnhancedStrain<dim, n>::stiffness(const Material& m, const Strai
 }
 
 template <int dim, int n>
-void EnhancedStrain<dim, n>::add_to(Strains& E, const Material& m) const {
+void EnhancedStrain<dim, n>::add_to(Strains<dim, n>& E, const Material& m) const {
   if (m.model != MaterialModel::neo_hookean) {
-    E = sum(E, -solve_symmetric(stiffness(m, E), force(m, E)));
+    E = sum(E, -stiffness(m, E).ldlt().solve(force(m, E)));
     return;
   }
   // Newton's method for the minimum of the cell's energy, which must fall along each step.
   Amplitudes alpha = Amplitudes::Zero(count());
   double energy = energy_of(m, E);
   for (int i = 0; i < most_steps && std::isfinite(energy); ++i) {
-    const Strains here = sum(E, alpha);
+    const Strains<dim, n> here = sum(E, alpha);
     const Amplitudes r = force(m, here);
     Amplitudes step = -downhill(stiffness(m, here), r);
     double largest = 0;
@@ -127,7 +140,7 @@ void EnhancedStrain<dim, n>::add_to(Strains& E, const Material& m) const {
 /// Σ w G:S.
 template <int dim, int n>
 typename EnhancedStrain<dim, n>::Amplitudes EnhancedStrain<dim, n>::force(const Material& m,
-                                                                          const Strains& E) const {
+                                                                          const Strains<dim, n>& E) const {
   Amplitudes r = Amplitudes::Zero(count());
   for (int q = 0; q < n; ++q)
     r.noalias() += weight_[q] * at(q).transpose() *
@@ -137,11 +150,12 @@ typename EnhancedStrain<dim, n>::Amplitudes EnhancedStrain<dim, n>::force(const 
 
 /// ∫ ψ; infinite where 2E + 1 is not positive definite.
 template <int dim, int n>
-double EnhancedStrain<dim, n>::energy_of(const Material& m, const Strains& E) const {
+double EnhancedStrain<dim, n>::energy_of(const Material& m, const Strains<dim, n>& E) const {
   double energy = 0;
   for (int q = 0; q < n; ++q) {
     const Tensor<dim>& strain = E[static_cast<std::size_t>(q)];
-    if (!strain.allFinite() || !is_positive_definite<dim>(2 * strain + Tensor<dim>::Identity()))
+    if (!strain.allFinite() ||
+        Tensor<dim>(2 * strain + Tensor<dim>::Identity()).llt().info() != Eigen::Success)
       return std::numeric_limits<double>::infinity();
     energy += weight_[q] * energy_of_strain<dim>(m, strain);
   }
@@ -149,65 +163,11 @@ double EnhancedStrain<dim, n>::energy_of(const Material& m, const Strains& E) co
 }
 
 template <int dim, int n>
-typename EnhancedStrain<dim, n>::Strains EnhancedStrain<dim, n>::sum(const Strains& E,
-                                                                     const Amplitudes& alpha) const {
-  Strains result;
+Strains<dim, n> EnhancedStrain<dim, n>::sum(const Strains<dim, n>& E, const Amplitudes& alpha) const {
+  Strains<dim, n> result;
   for (int q = 0; q < n; ++q)
     result[static_cast<std::size_t>(q)] = E[static_cast<std::size_t>(q)] + strain_tensor<dim>(at(q) * alpha);
   return result;
-}
-
-/// J_0⁻ᵀ M J_0⁻¹ with `value` in ij and ji of M, half of it in each.
-template <int dim>
-Components<dim> mode(const Tensor<dim>& inverse, int i, int j, double value) {
-  Tensor<dim> M = Tensor<dim>::Zero();
-  M(i, j) += 0.5 * value;
-  M(j, i) += 0.5 * value;
-  return strain_components<dim>(inverse.transpose() * M * inverse);
-}
-
-template <int dim, int n>
-template <class Place>
-void EnhancedStrain<dim, n>::fill_shell(Modes& G, const Tensor<dim>& inverse, const Place& xi,
-                                        int thin) requires(dim == 3) {
-  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
-  int k = 0;
-  for (const int i : {a, b}) G.col(k++) = mode<dim>(inverse, i, i, xi(i));
-  for (const int i : {a, b}) G.col(k++) = mode<dim>(inverse, a, b, xi(i));
-  for (const double along : {1.0, xi(a), xi(b)})
-    G.col(k++) = mode<dim>(inverse, thin, thin, xi(thin) * along);
-}
-
-template <int dim, int n>
-template <class Place>
-void EnhancedStrain<dim, n>::fill_linear(Modes& G, const Tensor<dim>& inverse, const Place& xi) {
-  int k = 0;
-  for (int i = 0; i < dim; ++i) G.col(k++) = mode<dim>(inverse, i, i, xi(i));
-  for (int i = 0; i < dim; ++i)
-    for (int j = i + 1; j < dim; ++j) {
-      G.col(k++) = mode<dim>(inverse, i, j, xi(i));
-      G.col(k++) = mode<dim>(inverse, i, j, xi(j));
-    }
-  if constexpr (dim == 3)
-    for (int i = 0; i < dim; ++i)
-      G.col(k++) = strain_components<dim>(xi(i) * xi((i + 1) % dim) * Tensor<dim>::Identity());
-}
-
-template <int dim, int n>
-template <class Place>
-void EnhancedStrain<dim, n>::fill_quadratic(Modes& G, const Place& xi) {
-  const auto legendre = [](int degree, double x) {
-    return degree == 0 ? 1 : degree == 1 ? x : 0.5 * (3 * x * x - 1);
-  };
-  int k = 0;
-  for (int c = 0; c < (dim == 3 ? 3 : 1); ++c)
-    for (int b = 0; b < 3; ++b)
-      for (int a = 0; a < 3; ++a) {
-        if (a + b + c < 2) continue;
-        double p = legendre(a, xi(0)) * legendre(b, xi(1));
-        if constexpr (dim == 3) p *= legendre(c, xi(2));
-        G.col(k++) = strain_components<dim>(p * Tensor<dim>::Identity());
-      }
 }
 
 template class EnhancedStrain<2, 4>;

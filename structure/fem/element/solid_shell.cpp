@@ -1,14 +1,12 @@
 #include "structure/fem/element/solid_shell.hpp"
 
 #include "proto/error.hpp"
-#include "structure/fem/element/energy_balance.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 namespace strake::structure::fem {
 namespace {
@@ -29,15 +27,9 @@ Eigen::Matrix<double, 8, 1> shape_gradient(const Vector3d& xi, int axis) {
   return gradient;
 }
 
-/// Node in a corner of a cell of any degree, corners in lexicographic order.
-int corner(const Mesh<3>& mesh, int cell, int a) {
-  const int along = mesh.degree + 1;
-  return mesh.cell(mesh.degree * ((a & 1) + along * (((a >> 1) & 1) + along * (a >> 2))), cell);
-}
-
 Eigen::Matrix<double, 3, 8> corners(const Mesh<3>& mesh, int cell) {
   Eigen::Matrix<double, 3, 8> X;
-  for (int a = 0; a < 8; ++a) X.col(a) = mesh.node.col(corner(mesh, cell, a));
+  for (int a = 0; a < 8; ++a) X.col(a) = mesh.node.col(mesh.corner(cell, a));
   return X;
 }
 
@@ -51,20 +43,46 @@ Vector3d mean_edges(const Mesh<3>& mesh, int cell) {
   return mean;
 }
 
-std::array<int, 3> by_length(const Vector3d& edges) {
-  std::array<int, 3> order = {0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return edges(a) < edges(b); });
-  return order;
+/// The shortest of the mean edges, and how many times longer the next one is.
+struct Thinness {
+  int axis = 0;
+  double ratio = 0;
+};
+Thinness thinness(const Mesh<3>& mesh, int cell) {
+  const Vector3d edges = mean_edges(mesh, cell);
+  Thinness thin;
+  const double least = edges.minCoeff(&thin.axis);
+  thin.ratio = std::min(edges((thin.axis + 1) % 3), edges((thin.axis + 2) % 3)) / least;
+  return thin;
 }
 
-/// The nodes of the two sides of a cell across an axis, sorted.
-std::array<int, 4> side(const Mesh<3>& mesh, int cell, int axis, int upper) {
-  std::array<int, 4> nodes{};
-  std::size_t at = 0;
-  for (int a = 0; a < 8; ++a)
-    if (((a >> axis) & 1) == upper) nodes[at++] = corner(mesh, cell, a);
-  std::sort(nodes.begin(), nodes.end());
-  return nodes;
+/// A of point q, which lies at ξ: strain components from the samples,
+///   E = J⁻ᵀ E_cov J⁻¹,  J = ∂X/∂ξ:
+/// a sample E_ij adds its weight times ½ (e_i⊗e_j + e_j⊗e_i), twice where i ≠ j.
+Eigen::Matrix<double, 6, SolidShell::samples> interpolation(const SolidShell::Values& X, const Vector3d& xi,
+                                                            int q, int thin) {
+  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
+  Tensor<3> J;
+  for (int k = 0; k < 3; ++k) J.col(k) = X * shape_gradient(xi, k);
+  const Tensor<3> inverse = J.inverse();
+  Eigen::Matrix<double, 6, SolidShell::samples> A = Eigen::Matrix<double, 6, SolidShell::samples>::Zero();
+  const auto add = [&](int k, int i, int j, double weight) {
+    Tensor<3> M = Tensor<3>::Zero();
+    M(i, j) = M(j, i) = weight;
+    A.col(k) = strain_components<3>(inverse.transpose() * M * inverse);
+  };
+  add(3 * q, a, a, 1);
+  add(3 * q + 1, b, b, 1);
+  add(3 * q + 2, a, b, 1);
+  for (const int end : {0, 1}) {
+    const int side = 2 * end - 1;
+    add(24 + end, a, thin, 0.5 * (1 + side * xi(b)));
+    add(26 + end, b, thin, 0.5 * (1 + side * xi(a)));
+  }
+  for (int corner = 0; corner < 4; ++corner)
+    add(28 + corner, thin, thin,
+        0.25 * (1 + (2 * (corner & 1) - 1) * xi(a)) * (1 + (2 * (corner >> 1) - 1) * xi(b)));
+  return A;
 }
 
 }  // namespace
@@ -73,10 +91,9 @@ std::vector<int> thin_axes(const Mesh<3>& mesh) {
   std::vector<int> axis(static_cast<std::size_t>(mesh.n_cells()), -1);
   std::vector<char> of_thin(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    if (edges(order[0]) > thin_ratio * edges(order[1])) continue;
-    axis[static_cast<std::size_t>(c)] = order[0];
+    const Thinness thin = thinness(mesh, c);
+    if (1 > thin_ratio * thin.ratio) continue;
+    axis[static_cast<std::size_t>(c)] = thin.axis;
     for (int a = 0; a < 8; ++a) of_thin[static_cast<std::size_t>(mesh.cell(a, c))] = 1;
   }
   // The first cell without, of the cells whose neighbours the rank has all.
@@ -104,28 +121,17 @@ std::vector<int> thin_axes(const Mesh<3>& mesh) {
 
 double slenderness(const Mesh<3>& mesh) {
   double largest = 0;
-  for (int c = 0; c < mesh.n_cells(); ++c) {
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    largest = std::max(largest, edges(order[1]) / edges(order[0]));
-  }
+  for (int c = 0; c < mesh.n_cells(); ++c) largest = std::max(largest, thinness(mesh, c).ratio);
   return mesh.division.max(largest);
 }
 
 bool has_core(const Mesh<3>& mesh) {
   constexpr double clearly_thin = 3;
-  std::map<std::array<int, 4>, int> met;  // how many cells have a side
-  for (int c = 0; c < mesh.n_cells(); ++c)
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int upper : {0, 1}) ++met[side(mesh, c, axis, upper)];
   bool found = false;
   for (int c = 0; c < mesh.n_cells() && !found; ++c) {
-    if (!mesh.owns(c)) continue;
-    const Vector3d edges = mean_edges(mesh, c);
-    const auto order = by_length(edges);
-    const int thin = order[0];
-    if (edges(order[1]) < clearly_thin * edges(thin)) continue;  // not where a stiffener stands on a plate
-    found = met[side(mesh, c, thin, 0)] > 1 && met[side(mesh, c, thin, 1)] > 1;
+    const Thinness thin = thinness(mesh, c);
+    if (!mesh.owns(c) || thin.ratio < clearly_thin) continue;  // not where a stiffener stands on a plate
+    found = mesh.outside(2 * thin.axis, c) == 0 && mesh.outside(2 * thin.axis + 1, c) == 0;
   }
   return mesh.division.any(found);
 }
@@ -133,63 +139,30 @@ bool has_core(const Mesh<3>& mesh) {
 // The samples: of each point of quadrature E_ξξ, E_ηη, E_ξη (0 to 23), then E_ξζ at η = ∓1 (24, 25), E_ηζ at
 // ξ = ∓1 (26, 27), E_ζζ in the four corners (28 to 31).
 SolidShell::SolidShell(const Mesh<3>& mesh, int cell, int thin)
-    : mesh_(mesh),
-      weight_(mesh.weight.data() + cell * n),
-      X_(corners(mesh, cell)),
-      enhanced_(mesh, cell, thin) {
+    : weight(mesh.weight.data() + cell * nodes), added(std::in_place, mesh, cell, thin) {
   const int a = (thin + 1) % 3, b = (thin + 2) % 3;
-  for (int q = 0; q < n; ++q) {
-    set_sample(3 * q, a, a, mesh.point.col(q));
-    set_sample(3 * q + 1, b, b, mesh.point.col(q));
-    set_sample(3 * q + 2, a, b, mesh.point.col(q));
-  }
-  for (const int end : {0, 1}) {
-    set_sample(24 + end, a, thin, (2 * end - 1) * Vector3d::Unit(b));
-    set_sample(26 + end, b, thin, (2 * end - 1) * Vector3d::Unit(a));
-  }
-  for (int corner = 0; corner < 4; ++corner)
-    set_sample(28 + corner, thin, thin,
-               (2 * (corner & 1) - 1) * Vector3d::Unit(a) + (2 * (corner >> 1) - 1) * Vector3d::Unit(b));
-  for (int q = 0; q < n; ++q) set_interpolation(q, thin);
-}
-
-void SolidShell::set_sample(int k, int i, int j, const Vector3d& xi) {
-  Sample& sample = sample_[static_cast<std::size_t>(k)];
-  sample.along_i = shape_gradient(xi, i);
-  sample.along_j = shape_gradient(xi, j);
-  sample.G_i = X_ * sample.along_i;
-  sample.G_j = X_ * sample.along_j;
-}
-
-// E = J⁻ᵀ E_cov J⁻¹, J = ∂X/∂ξ: a sample E_ij adds its weight times ½ (e_i⊗e_j + e_j⊗e_i), twice where i ≠ j.
-void SolidShell::set_interpolation(int q, int thin) {
-  const int a = (thin + 1) % 3, b = (thin + 2) % 3;
-  const Vector3d xi = mesh_.point.col(q);
-  Tensor<3> J;
-  for (int k = 0; k < 3; ++k) J.col(k) = X_ * shape_gradient(xi, k);
-  const Tensor<3> inverse = J.inverse();
-  Components6& A = A_[static_cast<std::size_t>(q)];
-  A.setZero();
-  const auto add = [&](int k, int i, int j, double weight) {
-    Tensor<3> M = Tensor<3>::Zero();
-    M(i, j) = M(j, i) = weight;
-    A.col(k) = strain_components<3>(inverse.transpose() * M * inverse);
+  const Values X = corners(mesh, cell);
+  const auto set = [&](int k, int i, int j, const Vector3d& xi) {
+    const Gradient along_i = shape_gradient(xi, i), along_j = shape_gradient(xi, j);
+    sample_[static_cast<std::size_t>(k)] = {along_i, along_j, X * along_i, X * along_j};
   };
-  add(3 * q, a, a, 1);
-  add(3 * q + 1, b, b, 1);
-  add(3 * q + 2, a, b, 1);
+  for (int q = 0; q < nodes; ++q) {
+    set(3 * q, a, a, mesh.point.col(q));
+    set(3 * q + 1, b, b, mesh.point.col(q));
+    set(3 * q + 2, a, b, mesh.point.col(q));
+    A_[static_cast<std::size_t>(q)] = interpolation(X, mesh.point.col(q), q, thin);
+  }
   for (const int end : {0, 1}) {
-    const int side = 2 * end - 1;
-    add(24 + end, a, thin, 0.5 * (1 + side * xi(b)));
-    add(26 + end, b, thin, 0.5 * (1 + side * xi(a)));
+    set(24 + end, a, thin, (2 * end - 1) * Vector3d::Unit(b));
+    set(26 + end, b, thin, (2 * end - 1) * Vector3d::Unit(a));
   }
   for (int corner = 0; corner < 4; ++corner)
-    add(28 + corner, thin, thin,
-        0.25 * (1 + (2 * (corner & 1) - 1) * xi(a)) * (1 + (2 * (corner >> 1) - 1) * xi(b)));
+    set(28 + corner, thin, thin,
+        (2 * (corner & 1) - 1) * Vector3d::Unit(a) + (2 * (corner >> 1) - 1) * Vector3d::Unit(b));
 }
 
 // e_k = ½ (G_i·u,j + G_j·u,i + u,i·u,j), the last one for large deformation.
-SolidShell::Strains SolidShell::compatible(const Values& u, bool large) const {
+Strains<3, 8> SolidShell::strains(const Values& u, bool large) const {
   Eigen::Matrix<double, samples, 1> e;
   for (int k = 0; k < samples; ++k) {
     const Sample& s = sample_[static_cast<std::size_t>(k)];
@@ -197,93 +170,47 @@ SolidShell::Strains SolidShell::compatible(const Values& u, bool large) const {
     e(k) = 0.5 * (s.G_i.dot(u_j) + s.G_j.dot(u_i));
     if (large) e(k) += 0.5 * u_i.dot(u_j);
   }
-  Strains E;
+  Strains<3, 8> E;
   for (std::size_t q = 0; q < E.size(); ++q) E[q] = strain_tensor<3>(Components<3>(A_[q] * e));
   return E;
 }
 
 // ∂e_k/∂u_a = ½ (g_i N_a,j + g_j N_a,i), g_i = G_i + u,i for large deformation.
-SolidShell::Rows SolidShell::rows(const Values& u, bool large) const {
+SolidShell::Rows SolidShell::sample_rows(const Values& u, bool large) const {
   Rows B;
   for (int k = 0; k < samples; ++k) {
     const Sample& s = sample_[static_cast<std::size_t>(k)];
     Vector3d g_i = s.G_i, g_j = s.G_j;
     if (large) g_i += u * s.along_i;
     if (large) g_j += u * s.along_j;
-    for (int a = 0; a < n; ++a)
+    for (int a = 0; a < nodes; ++a)
       B.block<1, 3>(k, 3 * a) = 0.5 * (g_i * s.along_j(a) + g_j * s.along_i(a)).transpose();
   }
   return B;
 }
 
-Eigen::Matrix<double, SolidShell::samples, 1> SolidShell::stresses(const Strains& S) const {
+Eigen::Matrix<double, SolidShell::samples, 1> SolidShell::stresses(const Strains<3, 8>& S) const {
   Eigen::Matrix<double, samples, 1> sum = Eigen::Matrix<double, samples, 1>::Zero();
   for (std::size_t q = 0; q < S.size(); ++q)
-    sum.noalias() += A_[q].transpose() * (weight_[q] * stress_components<3>(S[q]));
+    sum.noalias() += A_[q].transpose() * (weight[q] * stress_components<3>(S[q]));
   return sum;
 }
 
-SolidShell::Strains SolidShell::strains(const Values& u, const Material& m) const {
-  Strains E = compatible(u, is_large(m));
-  enhanced_.add_to(E, m);
-  return E;
+// f = Σ_k ∂e_k/∂u Σ_q w A_kᵀ S.
+SolidShell::Values SolidShell::forces(const Values& u, const Strains<3, 8>& S, bool large) const {
+  return (sample_rows(u, large).transpose() * stresses(S)).reshaped(3, nodes);
 }
 
-// f = Σ_k ∂e_k/∂u(u_α) Σ_q w A_kᵀ S(α Ê0 + (1−α) Ê1), and for neo-Hookean S + (a/b) ΔE of (S9).
-SolidShell::Values SolidShell::force(const Values& u0, const Values& u1, double alpha,
-                                     const Material& m) const {
-  const bool large = is_large(m);
-  Strains E0 = compatible(u0, large), E1 = compatible(u1, large), E, change, S;
-  for (std::size_t q = 0; q < E.size(); ++q) {
-    E[q] = alpha * E0[q] + (1 - alpha) * E1[q];
-    change[q] = E1[q] - E0[q];
-  }
-  enhanced_.add_to(E, m);
-  for (std::size_t q = 0; q < S.size(); ++q) S[q] = second_piola_kirchhoff<3>(m, E[q]);
-  if (balances_energy(m, alpha)) {
-    enhanced_.add_to(E0, m);
-    enhanced_.add_to(E1, m);
-    const EnergyBalance<3, n> balance(S, m, change, E0, E1, weight_);
-    for (std::size_t q = 0; q < S.size(); ++q) S[q] += balance.part * change[q];
-  }
-  Values f;
-  Eigen::Map<Eigen::Matrix<double, 3 * n, 1>>(f.data()) =
-      rows(alpha * u0 + (1 - alpha) * u1, large).transpose() * stresses(S);
-  return f;
-}
-
-// Σ w Bᵅᵀ D B1 − Lᵅ H⁻¹ L1ᵀ + Σ_k s_k ½ (∇_i ∇_jᵀ + ∇_j ∇_iᵀ) 1, with B = A ∂e/∂u, s_k = Σ w A_kᵀ S and
-// L = Σ w Bᵀ D G of the enhanced strains G. What balances neo-Hookean's energy is left out.
-void SolidShell::add_tangent(Stiffness& local, const Values& u0, const Values& u1, double alpha,
-                             const Material& m) const {
-  const bool large = is_large(m);
-  const Strains E0 = compatible(u0, large), E1 = compatible(u1, large);
-  Strains E, S;
-  for (std::size_t q = 0; q < E.size(); ++q) E[q] = alpha * E0[q] + (1 - alpha) * E1[q];
-  enhanced_.add_to(E, m);
-  const Rows rows_alpha = rows(alpha * u0 + (1 - alpha) * u1, large), rows1 = rows(u1, large);
-  Eigen::MatrixXd L_alpha = Eigen::MatrixXd::Zero(3 * n, enhanced_.count()), L1 = L_alpha;
-  for (std::size_t q = 0; q < E.size(); ++q) {
-    S[q] = second_piola_kirchhoff<3>(m, E[q]);
-    const Eigen::Matrix<double, 6, 3 *n> B_alpha = A_[q] * rows_alpha, B1 = A_[q] * rows1;
-    const Eigen::Matrix<double, 6, 6> D = weight_[q] * moduli<3>(m, E[q]);
-    local.noalias() += B_alpha.transpose() * (D * B1).eval();
-    const Eigen::MatrixXd DG = D * enhanced_.at(static_cast<int>(q));
-    L_alpha.noalias() += B_alpha.transpose() * DG;
-    L1.noalias() += B1.transpose() * DG;
-  }
-  local -= condensed(L_alpha, enhanced_.stiffness(m, E), L1);
-  if (!large) return;
+// Σ_k s_k ½ (∇_i ∇_jᵀ + ∇_j ∇_iᵀ) with s_k = Σ w A_kᵀ S.
+Eigen::Matrix<double, 8, 8> SolidShell::geometric(const Strains<3, 8>& S) const {
   const auto s = stresses(S);
-  Eigen::Matrix<double, n, n> geometric = Eigen::Matrix<double, n, n>::Zero();
+  Eigen::Matrix<double, 8, 8> between = Eigen::Matrix<double, 8, 8>::Zero();
   for (int k = 0; k < samples; ++k) {
     const Sample& at = sample_[static_cast<std::size_t>(k)];
-    const Eigen::Matrix<double, n, n> outer = 0.5 * s(k) * at.along_i * at.along_j.transpose();
-    geometric += outer + outer.transpose();
+    const Eigen::Matrix<double, 8, 8> outer = 0.5 * s(k) * at.along_i * at.along_j.transpose();
+    between += outer + outer.transpose();
   }
-  for (int b = 0; b < n; ++b)
-    for (int a = 0; a < n; ++a)
-      for (int i = 0; i < 3; ++i) local(3 * a + i, 3 * b + i) += geometric(a, b);
+  return between;
 }
 
 }  // namespace strake::structure::fem

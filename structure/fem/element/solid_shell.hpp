@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace strake::structure::fem {
@@ -36,24 +37,27 @@ bool has_core(const Mesh<3>&);
 /// two displacements then has Σ_k ∂e_k/∂u Δu = Δe_k exactly, and the balance of energy (S15) stays.
 class SolidShell {
  public:
-  static constexpr int n = 8, samples = 32;
-  using Values = Eigen::Matrix<double, 3, n>;
-  using Strains = std::array<Tensor<3>, n>;
-  using Stiffness = Eigen::Matrix<double, 3 * n, 3 * n>;
+  static constexpr int dimension = 3, nodes = 8, samples = 32;
+  using Values = NodeValues<3, 8>;
+  using Motion = Values;
 
   /// `thin`: axis of the cell that is ζ.
   SolidShell(const Mesh<3>&, int cell, int thin);
+  const double* weight;  // of the points of quadrature
+  std::optional<EnhancedStrain<3, nodes>> added;
 
-  /// Ê in the points of quadrature, with the enhanced strains.
-  Strains strains(const Values& u, const Material&) const;
-  /// Forces on the nodes, as Assembly::internal_force has them.
-  Values force(const Values& u0, const Values& u1, double alpha, const Material&) const;
-  /// Adds their derivative by u1, divided by 1−α.
-  void add_tangent(Stiffness&, const Values& u0, const Values& u1, double alpha, const Material&) const;
+  /// As Continuum has them: of E in the points of quadrature without the enhanced strains.
+  const Motion& motion(const Values& u) const { return u; }
+  Strains<3, 8> strains(const Values& u, bool large) const;
+  auto rows(const Values& u, bool large) const {
+    return [this, along = sample_rows(u, large)](int q) { return A_[static_cast<std::size_t>(q)] * along; };
+  }
+  Values forces(const Values& u, const Strains<3, 8>& S, bool large) const;
+  Eigen::Matrix<double, 8, 8> geometric(const Strains<3, 8>& S) const;
 
  private:
-  using Gradient = Eigen::Matrix<double, n, 1>;  // of the shape functions along one axis
-  using Rows = Eigen::Matrix<double, samples, 3 * n>;
+  using Gradient = Eigen::Matrix<double, nodes, 1>;  // of the shape functions along one axis
+  using Rows = Eigen::Matrix<double, samples, 3 * nodes>;
   using Components6 = Eigen::Matrix<double, 6, samples>;
   /// A covariant strain E_ij in one point of the reference cell.
   struct Sample {
@@ -61,18 +65,11 @@ class SolidShell {
     Eigen::Vector3d G_i, G_j;
   };
 
-  void set_sample(int k, int i, int j, const Eigen::Vector3d& xi);
-  void set_interpolation(int q, int thin);
-  Strains compatible(const Values& u, bool large) const;               // without the enhanced ones
-  Rows rows(const Values& u, bool large) const;                        // ∂e_k/∂u at u
-  Eigen::Matrix<double, samples, 1> stresses(const Strains& S) const;  // Σ w Aᵀ S
+  Rows sample_rows(const Values& u, bool large) const;                       // ∂e_k/∂u at u
+  Eigen::Matrix<double, samples, 1> stresses(const Strains<3, 8>& S) const;  // Σ w Aᵀ S
 
-  const Mesh<3>& mesh_;
-  const double* weight_;
-  Values X_;
   std::array<Sample, samples> sample_;
-  std::array<Components6, n> A_;  // of each point: strain components from samples
-  EnhancedStrain<3, n> enhanced_;
+  std::array<Components6, nodes> A_;  // of each point: strain components from samples
 };
 
 }  // namespace strake::structure::fem

@@ -1,8 +1,8 @@
 #include "proto/error.hpp"
 #include "structure/fem/linear/linear_solver.hpp"
-#include "structure/fem/mesh/rank_division_parts.hpp"
 
 #include <Teuchos_ParameterList.hpp>
+#include <deal.II/base/partitioner.h>
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/trilinos_precondition.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
@@ -54,10 +54,10 @@ class ConjugateGradients final : public LinearSolver::Method {
     const RankDivision& division = unknowns_.division;
     const auto own = static_cast<int>(division.own(matrix.rows()));
     rows_ = division.alone() ? dealii::complete_index_set(static_cast<unsigned int>(own))
-                             : division.parts().entries->locally_owned_range();
+                             : division.entries().locally_owned_range();
     const auto global = [&](Eigen::Index i) {
       const auto local = static_cast<unsigned int>(i);
-      return division.alone() ? local : division.parts().entries->local_to_global(local);
+      return division.alone() ? local : division.entries().local_to_global(local);
     };
     // Held unknowns keep their diagonal alone.
     const auto stays = [&](int i, const RowMatrix::InnerIterator& entry) {

@@ -1,11 +1,8 @@
 #include "proto/error.hpp"
 #include "structure/fem/linear/linear_solver.hpp"
 
-#include <algorithm>
-#include <iterator>
 #include <optional>
-#include <span>
-#include <utility>
+#include <vector>
 
 namespace strake::structure::fem {
 namespace {
@@ -21,95 +18,54 @@ class DirectOnFirst final : public LinearSolver::Method {
         direct_(direct_solver({.per_node = unknowns.per_node, .rigid_motions = {}})) {}
 
   bool factorise(const RowMatrix& matrix, const std::vector<char>& is_fixed) override {
-    if (slot_.size() == 0) find_pattern(matrix);
-    const auto values = gathered<double>(std::span(matrix.valuePtr(), entries_of_own_rows(matrix)));
-    const auto own = static_cast<std::size_t>(division_.own(matrix.rows()));
-    const auto fixed = gathered<char>(std::span(is_fixed.data(), own));
-    Outcome outcome = Outcome::singular;
+    const RowMatrix whole = on_first(matrix);
+    const Eigen::VectorXd fixed = division_.whole(
+        Eigen::Map<const Eigen::Matrix<char, Eigen::Dynamic, 1>>(is_fixed.data(), matrix.rows())
+            .cast<double>());
+    constexpr int singular = 0, regular = 1, failed = 2;
+    int outcome = singular;
     std::optional<Error> error;
-    if (division_.first()) {
-      for (Eigen::Index k = 0; k < whole_.nonZeros(); ++k)
-        whole_.valuePtr()[k] = values[static_cast<std::size_t>(slot_.valuePtr()[k])];
-      std::vector<char> fixed_of_body(fixed.size());
-      for (std::size_t i = 0; i < fixed.size(); ++i)
-        fixed_of_body[static_cast<std::size_t>(number_[i])] = fixed[i];
-      try {
-        outcome = direct_->factorise(whole_, fixed_of_body) ? Outcome::regular : Outcome::singular;
+    if (division_.first()) try {
+        outcome = direct_->factorise(whole, {fixed.begin(), fixed.end()}) ? regular : singular;
       } catch (const Error& problem) {
         error = problem;
-        outcome = Outcome::failed;
+        outcome = failed;
       }
-    }
-    outcome = static_cast<Outcome>(division_.max(static_cast<double>(outcome)));
-    if (outcome == Outcome::failed)  // the first rank tells why
+    outcome = static_cast<int>(division_.max(outcome));
+    if (outcome == failed)  // the first rank tells why
       throw error.value_or(Error(ExitCode::solver_fault, "structure (fem), factors", "there are none"));
-    return outcome == Outcome::regular;
+    return outcome == regular;
   }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance) override {
-    const auto own = static_cast<std::size_t>(division_.own(b.size()));
-    const auto right = gathered<double>(std::span(b.data(), own));
-    std::vector<Bytes> parts(static_cast<std::size_t>(division_.communicator().size()));
-    if (division_.first()) {
-      Eigen::VectorXd of_body(number_.size());
-      for (std::size_t i = 0; i < right.size(); ++i) of_body(number_[i]) = right[i];
-      of_body = direct_->solve(of_body, tolerance);
-      auto number = number_.begin();
-      for (std::size_t r = 0; r < parts.size(); ++r)
-        for (std::int64_t i = 0; i < owned_[r]; ++i) append(parts[r], of_body(*number++));
-    }
-    const std::vector<double> mine = values_of<double>(division_.communicator().exchange_any(parts).front());
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
-    std::ranges::copy(mine, x.begin());
-    return x;
+    Eigen::VectorXd x = division_.whole(b);
+    if (division_.first())
+      x = direct_->solve(x, tolerance);
+    else
+      x.setZero();
+    return division_.part(division_.sum(x));
   }
 
  private:
-  enum class Outcome { singular, regular, failed };
-
-  std::size_t entries_of_own_rows(const RowMatrix& matrix) const {
-    return static_cast<std::size_t>(matrix.outerIndexPtr()[division_.own(matrix.rows())]);
-  }
-
-  /// The values of all ranks on the first one, one rank after the other.
-  template <class T>
-  std::vector<T> gathered(std::span<const T> own) const {
-    std::vector<T> all;
-    for (const Bytes& bytes : division_.on_first(std::as_bytes(own)))
-      std::ranges::copy(values_of<T>(bytes), std::back_inserter(all));
-    return all;
-  }
-
-  /// The matrix of the body without values, and for each of its entries the place in what the ranks send.
-  void find_pattern(const RowMatrix& matrix) {
+  /// The matrix of the body, of the ranks' own rows.
+  RowMatrix on_first(const RowMatrix& matrix) const {
     const auto own = static_cast<int>(division_.own(matrix.rows()));
-    owned_ = division_.communicator().all(std::int64_t{own});
-    std::vector<int> number, row, column;
-    for (int i = 0; i < own; ++i) {
-      number.push_back(division_.number(i));
-      for (RowMatrix::InnerIterator entry(matrix, i); entry; ++entry) {
-        row.push_back(number.back());
-        column.push_back(division_.number(static_cast<int>(entry.col())));
-      }
-    }
-    number_ = gathered<int>(number);
-    row = gathered<int>(row);
-    column = gathered<int>(column);
-    slot_.resize(division_.size(0), division_.size(0));
-    if (!division_.first()) return;
-    std::vector<Eigen::Triplet<int>> entries;
-    for (std::size_t k = 0; k < row.size(); ++k) entries.emplace_back(row[k], column[k], static_cast<int>(k));
-    slot_.setFromTriplets(entries.begin(), entries.end());
-    whole_ = slot_.cast<double>();
+    Eigen::MatrixXd entries(3, matrix.outerIndexPtr()[own]);  // row, column, value
+    for (int i = 0; i < own; ++i)
+      for (int k = matrix.outerIndexPtr()[i]; k < matrix.outerIndexPtr()[i + 1]; ++k)
+        entries.col(k) << division_.number(i), division_.number(matrix.innerIndexPtr()[k]),
+            matrix.valuePtr()[k];
+    entries = division_.columns_on_first(entries);
+    std::vector<Eigen::Triplet<double>> triplets;
+    for (const auto& entry : entries.colwise())
+      triplets.emplace_back(static_cast<int>(entry(0)), static_cast<int>(entry(1)), entry(2));
+    RowMatrix whole(division_.size(0), division_.size(0));
+    whole.setFromTriplets(triplets.begin(), triplets.end());
+    return whole;
   }
 
   RankDivision division_;
   std::unique_ptr<LinearSolver::Method> direct_;
-  // On the first rank:
-  std::vector<std::int64_t> owned_;                 // unknowns of each rank
-  std::vector<int> number_;                         // in the body, of the unknowns of all ranks
-  Eigen::SparseMatrix<int, Eigen::RowMajor> slot_;  // where each entry stands in what the ranks send
-  RowMatrix whole_;
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 #include "proto/error.hpp"
 #include "structure/fem/mesh/mesh.hpp"
-#include "structure/material/symmetric.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 namespace strake::structure::fem {
 namespace {
@@ -15,10 +15,9 @@ constexpr int count(int dim) {
 template <int dim>
 Eigen::MatrixXd motions_of(const Mesh<dim>& mesh) {
   const RankDivision& division = mesh.division;
-  Eigen::Matrix<double, dim, 1> middle = mesh.node.rowwise().mean();
-  if (!division.alone())
-    middle = division.sum(mesh.node.leftCols(division.own(mesh.n_unknowns()) / dim).rowwise().sum()) *
-             (dim / static_cast<double>(division.size(0)));
+  const auto own_nodes = mesh.node.leftCols(division.own(mesh.n_unknowns()) / dim);
+  const Eigen::Matrix<double, dim, 1> middle = division.sum(own_nodes.rowwise().sum().eval()) *
+                                               (dim / static_cast<double>(division.size(mesh.n_unknowns())));
   const double length = division.max((mesh.node.colwise() - middle).cwiseAbs().maxCoeff());
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(mesh.n_unknowns(), count(dim));
   for (int i = 0; i < mesh.n_nodes(); ++i) {
@@ -50,12 +49,10 @@ int rigid_motions_left(const Mesh<dim>& mesh) {
   std::vector<int> own = mesh.fixed;
   std::erase_if(own, [&](int i) { return !mesh.division.owns(i); });
   const Eigen::MatrixXd fixed = motions_of(mesh)(own, Eigen::all);
-  constexpr double stopped =
-      1e-10;  // of the largest eigenvalue: the square of what round-off leaves of a rank
-  const Eigen::VectorXd value = eigenvalues_of(mesh.division.sum(Eigen::MatrixXd(fixed.transpose() * fixed)));
-  int left = 0;
-  for (const double v : value) left += v <= stopped * value.maxCoeff() || v == 0;
-  return left;
+  constexpr double stopped = 1e-10;  // of the largest pivot: the square of what round-off leaves of a rank
+  Eigen::FullPivLU<Eigen::MatrixXd> factors;
+  factors.setThreshold(stopped).compute(mesh.division.sum(Eigen::MatrixXd(fixed.transpose() * fixed)));
+  return static_cast<int>(factors.dimensionOfKernel());
 }
 
 template <int dim>

@@ -1,27 +1,29 @@
 #include "structure/fem/mesh/mesh.hpp"
 
 #include "proto/error.hpp"
-#include "structure/fem/mesh/rank_division_parts.hpp"
 #include "structure/fem/mesh/refinement.hpp"
 
-#include <Eigen/LU>
 #include <deal.II/base/multithread_info.h>
+#include <deal.II/base/partitioner.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_dgq.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping_q1.h>
 #include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/grid_tools_cache.h>
 #include <deal.II/grid/tria.h>
 #include <deal.II/grid/tria_description.h>
+#include <deal.II/lac/full_matrix.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <span>
+#include <limits>
 #include <utility>
 
 namespace strake::structure::fem {
@@ -62,9 +64,15 @@ void create(dealii::Triangulation<dim>& triangulation, const Solid& cells) {
 template <int dim>
 struct Discretisation<dim>::Parts {
   using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
-  explicit Parts(int degree) : element(static_cast<unsigned int>(degree)) {}
+  explicit Parts(unsigned int degree)
+      : element(degree),
+        // Exact for the mass matrix and for Saint Venant–Kirchhoff up to the quartic terms, which vanish with
+        // the strain.
+        quadrature(degree + 1),
+        lexicographic(dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(degree)) {}
   std::unique_ptr<dealii::Triangulation<dim>> triangulation;
   dealii::FE_Q<dim> element;
+  dealii::QGauss<dim> quadrature;
   dealii::MappingQ1<dim> mapping;
   dealii::DoFHandler<dim> dofs;
   std::vector<unsigned int> lexicographic;  // place in the cell's unknowns of each lexicographic node
@@ -90,7 +98,7 @@ struct Discretisation<dim>::Parts {
 template <int dim>
 Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refinement, double along,
                                     Communicator* ranks)
-    : solid_(solid), parts_(std::make_unique<Parts>(degree)) {
+    : solid_(solid), parts_(std::make_unique<Parts>(static_cast<unsigned int>(degree))) {
   assert(solid.dimension == dim);
   const Solid cells = refined(solid, refinement, along);
   Parts& parts = *parts_;
@@ -99,28 +107,27 @@ Discretisation<dim>::Discretisation(const Solid& solid, int degree, int refineme
   } else {
     parts.triangulation = std::make_unique<dealii::Triangulation<dim>>();
     create(*parts.triangulation, cells);
-    parts.dofs.reinit(*parts.triangulation);
-    parts.dofs.distribute_dofs(parts.element);
     take_cells();
   }
-  parts.lexicographic =
-      dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(static_cast<unsigned int>(degree));
-  copy_cells(degree);
+  copy_element(degree);
+  copy_cells();
   constrain_all(refinement);
 }
 
 /// The cells of this rank, in the order of the whole body: so each sum over cells has the order of one rank.
 template <int dim>
 void Discretisation<dim>::take_cells() {
+  parts_->dofs.reinit(*parts_->triangulation);
+  parts_->dofs.distribute_dofs(parts_->element);
   for (const auto& cell : parts_->dofs.active_cell_iterators())
     if (!cell->is_artificial()) parts_->cells.push_back(cell);
   const auto number = [](const auto& cell) { return static_cast<int>(cell->id().get_coarse_cell_id()); };
-  std::sort(parts_->cells.begin(), parts_->cells.end(),
-            [&](const auto& a, const auto& b) { return number(a) < number(b); });
+  std::ranges::sort(parts_->cells, {}, number);
   for (const auto& cell : parts_->cells) {
-    mesh_.cell_place.push_back(static_cast<int>(mesh_.number.size()));
     mesh_.number.push_back(number(cell));
+    mesh_.own.push_back(cell->is_locally_owned());
   }
+  mesh_.cells_of_body = static_cast<int>(parts_->triangulation->n_global_active_cells());
 }
 
 /// Each rank makes the mesh of the whole body, divides it by METIS into parts that touch in few nodes, and
@@ -136,8 +143,6 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
   parts.triangulation = std::move(made);
   own.create_triangulation(dealii::TriangulationDescription::Utilities::create_description_from_triangulation(
       whole, MPI_COMM_WORLD));
-  parts.dofs.reinit(*parts.triangulation);
-  parts.dofs.distribute_dofs(parts.element);
   take_cells();
 
   // Unknowns: own ones, then ghosts.
@@ -147,16 +152,6 @@ void Discretisation<dim>::divide(const Solid& cells, Communicator& ranks) {
       dealii::DoFTools::extract_locally_relevant_dofs(parts.dofs).tensor_product(components), MPI_COMM_WORLD);
   const auto division = std::make_shared<RankDivision::Parts>(RankDivision::Parts{ranks, entries, {}});
   parts.unknowns = entries.get();
-
-  // Cells: own ones, then those beside them.
-  const auto of_cells = std::make_shared<RankDivision::Parts>(
-      RankDivision::Parts{ranks, own.global_active_cell_index_partitioner().lock(), mesh_.number});
-  for (std::size_t c = 0; c < parts.cells.size(); ++c) {
-    const auto place = of_cells->entries->global_to_local(parts.cells[c]->global_active_cell_index());
-    mesh_.cell_place[c] = static_cast<int>(place);
-    of_cells->on_one_rank[place] = mesh_.number[c];
-  }
-  mesh_.cell_division = RankDivision(of_cells);
 
   // Numbers of the same nodes on one rank.
   dealii::DoFHandler<dim> on_one_rank(whole);
@@ -192,65 +187,74 @@ void Discretisation<dim>::constrain_all(int refinement) {
     if (is_fixed(i) != 0) mesh_.fixed.push_back(i);
 }
 
-// Nodes, cells, shape values and gradients of the Lagrange element.
+/// Shape values and quadrature in the reference cell.
 template <int dim>
-void Discretisation<dim>::copy_cells(int degree) {
+void Discretisation<dim>::copy_element(int degree) {
+  const Parts& parts = *parts_;
+  const unsigned int points = parts.quadrature.size();
+  const auto per_cell = static_cast<Eigen::Index>(parts.lexicographic.size());
+  mesh_.degree = degree;
+  mesh_.n_quadrature = static_cast<int>(points);
+  mesh_.shape.resize(per_cell, points);
+  mesh_.point.resize(dim, points);
+  mesh_.reference_weight.resize(points);
+  // The L2 fit of degree one to values in the points of quadrature.
+  const dealii::FE_DGQ<dim> linear(1);
+  dealii::FullMatrix<double> fit(linear.n_dofs_per_cell(), points);
+  dealii::FETools::compute_projection_from_quadrature_points_matrix(linear, parts.quadrature,
+                                                                    parts.quadrature, fit);
+  mesh_.fit = Eigen::MatrixXd::Zero(per_cell, points);
+  for (unsigned int q = 0; q < points; ++q) {
+    mesh_.reference_weight(q) = parts.quadrature.weight(q);
+    for (unsigned int k = 0; k < dim; ++k) mesh_.point(k, q) = 2 * parts.quadrature.point(q)[k] - 1;
+    for (Eigen::Index a = 0; a < per_cell; ++a) {
+      const unsigned int place = parts.lexicographic[static_cast<std::size_t>(a)];
+      mesh_.shape(a, q) = parts.element.shape_value(place, parts.quadrature.point(q));
+      for (unsigned int k = 0; k < linear.n_dofs_per_cell(); ++k)
+        mesh_.fit(a, q) += linear.shape_value(k, parts.element.unit_support_point(place)) * fit(k, q);
+    }
+  }
+}
+
+/// The cells and their nodes, and weights and gradients in the points of quadrature.
+template <int dim>
+void Discretisation<dim>::copy_cells() {
   const Parts& parts = *parts_;
   const EachCellItself no_copies;
-  const unsigned int per_cell = parts.element.n_dofs_per_cell();
-  const auto n_cells = static_cast<Eigen::Index>(parts.cells.size());
-  const auto n_nodes = static_cast<Eigen::Index>(parts.n_nodes());
-
-  // Gauss with degree + 1 points is exact for the mass matrix and for Saint Venant–Kirchhoff up to the
-  // quartic terms, which vanish with the strain.
-  const dealii::QGauss<dim> quadrature(static_cast<unsigned int>(degree) + 1);
-  const dealii::Quadrature<dim> nodes(parts.element.get_unit_support_points());
+  const unsigned int per_cell = parts.element.n_dofs_per_cell(), points = parts.quadrature.size();
   using namespace dealii;  // the update flags' operator|
-  FEValues<dim> inside(parts.mapping, parts.element, quadrature,
-                       update_values | update_gradients | update_JxW_values);
-  FEValues<dim> in_nodes(parts.mapping, parts.element, nodes, update_quadrature_points);
+  FEValues<dim> inside(parts.mapping, parts.element, parts.quadrature, update_gradients | update_JxW_values);
+  FEValues<dim> at_centre(parts.mapping, parts.element, QMidpoint<dim>(), update_inverse_jacobians);
 
-  mesh_.degree = degree;
-  mesh_.n_quadrature = static_cast<int>(quadrature.size());
-  mesh_.node.resize(dim, n_nodes);
+  const auto n_cells = std::ssize(parts.cells);
+  mesh_.node.resize(dim, static_cast<Eigen::Index>(parts.n_nodes()));
   mesh_.cell.resize(per_cell, n_cells);
-  mesh_.gradient.resize(per_cell * dim, n_cells * mesh_.n_quadrature);
-  mesh_.weight.resize(n_cells * mesh_.n_quadrature);
-  mesh_.shape.resize(per_cell, mesh_.n_quadrature);
+  mesh_.gradient.resize(per_cell * dim, n_cells * points);
+  mesh_.weight.resize(n_cells * points);
+  mesh_.outside.resize(2 * dim, n_cells);
   mesh_.centre_inverse.resize(dim * dim, n_cells);
-  mesh_.point.resize(dim, mesh_.n_quadrature);
-  mesh_.reference_weight.resize(mesh_.n_quadrature);
-  for (unsigned int q = 0; q < quadrature.size(); ++q) {
-    mesh_.reference_weight(q) = quadrature.weight(q);
-    for (unsigned int k = 0; k < dim; ++k) mesh_.point(k, q) = 2 * quadrature.point(q)[k] - 1;
-  }
-
-  Eigen::Index c = 0;
-  for (const auto& cell : parts.cells) {
+  for (Eigen::Index c = 0; c < n_cells; ++c) {
+    const auto& cell = parts.cells[static_cast<std::size_t>(c)];
     inside.reinit(cell);
-    in_nodes.reinit(cell);
-    const std::vector<int> index = parts.nodes(cell);
+    at_centre.reinit(cell);
+    const std::vector<int> nodes = parts.nodes(cell);
     for (unsigned int a = 0; a < per_cell; ++a) {
       const unsigned int place = parts.lexicographic[a];
-      const int node = index[place];
-      mesh_.cell(a, c) = node;
+      const Point<dim> X =
+          parts.mapping.transform_unit_to_real_cell(cell, parts.element.unit_support_point(place));
+      mesh_.cell(a, c) = nodes[place];
       for (unsigned int k = 0; k < dim; ++k) {
-        mesh_.node(k, node) = in_nodes.quadrature_point(place)[k];
-        for (unsigned int q = 0; q < quadrature.size(); ++q)
-          mesh_.gradient(k * per_cell + a, c * mesh_.n_quadrature + q) = inside.shape_grad(place, q)[k];
+        mesh_.node(k, nodes[place]) = X[k];
+        for (unsigned int q = 0; q < points; ++q)
+          mesh_.gradient(k * per_cell + a, c * points + q) = inside.shape_grad(place, q)[k];
       }
-      for (unsigned int q = 0; q < quadrature.size(); ++q) mesh_.shape(a, q) = inside.shape_value(place, q);
     }
-    for (unsigned int q = 0; q < quadrature.size(); ++q)
-      mesh_.weight(c * mesh_.n_quadrature + q) = inside.JxW(q);
+    for (unsigned int q = 0; q < points; ++q) mesh_.weight(c * points + q) = inside.JxW(q);
     mesh_.part.push_back(static_cast<int>(cell->material_id()));
-    Eigen::Matrix<double, dim, dim> J = Eigen::Matrix<double, dim, dim>::Zero();
-    for (const unsigned int v : cell->vertex_indices())
-      for (unsigned int k = 0; k < dim; ++k)
-        for (unsigned int l = 0; l < dim; ++l)
-          J(k, l) += std::ldexp((v >> l) & 1 ? cell->vertex(v)[k] : -cell->vertex(v)[k], -dim);
-    Eigen::Map<Eigen::Matrix<double, dim, dim>>(mesh_.centre_inverse.col(c).data()) = J.inverse();
-    ++c;
+    for (const unsigned int f : cell->face_indices()) mesh_.outside(f, c) = cell->face(f)->at_boundary();
+    for (unsigned int k = 0; k < dim; ++k)  // deal.II's reference cell is [0, 1]
+      for (unsigned int l = 0; l < dim; ++l)
+        mesh_.centre_inverse(l * dim + k, c) = 2 * at_centre.inverse_jacobian(0)[k][l];
   }
 }
 
@@ -330,14 +334,10 @@ Eigen::VectorXd Discretisation<dim>::case_force(const CaseLoad& load) const {
 template <int dim>
 Discretisation<dim>::~Discretisation() = default;
 
-// A linear search over the cells: once per point at set-up. Each rank looks in its own cells; the nearest
-// place of all counts, of equal ones the first cell.
+// The nearest cell of all, of equally near ones the first; no cell is nearer than the box around it. Each
+// rank looks in its own cells.
 template <int dim>
 std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(const Points& X) const {
-  struct Nearest {
-    double distance = std::numeric_limits<double>::infinity();
-    int number = -1;
-  };
   const Parts& parts = *parts_;
   const auto place_in = [&](const auto& cell, const dealii::Point<dim>& x) {
     // Far from a distorted cell its map has no inverse; its middle is then used.
@@ -350,33 +350,25 @@ std::vector<typename Discretisation<dim>::Place> Discretisation<dim>::locate(con
     }
     return unit;
   };
-  std::vector<Nearest> nearest(static_cast<std::size_t>(X.cols()));
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
+  const dealii::GridTools::Cache<dim> cache(*parts.triangulation, parts.mapping);
+  const auto& boxes = cache.get_locally_owned_cell_bounding_boxes_rtree();
+  std::vector<Place> places(static_cast<std::size_t>(X.cols()));
+  for (std::size_t i = 0; i < places.size(); ++i) {
     const dealii::Point<dim> x = point<dim>(X.col(static_cast<Eigen::Index>(i)));
-    Nearest& best = nearest[i];
-    for (std::size_t c = 0; c < parts.cells.size() && best.distance > 0; ++c) {
-      const auto& cell = parts.cells[c];
-      if (!mesh_.owns(static_cast<int>(c)) ||
-          cell->barycenter().distance(x) - cell->diameter() > best.distance)
-        continue;
+    Eigen::Vector2d nearest(-std::numeric_limits<double>::infinity(), 0);  // −distance, −number of the cell
+    for (auto box = boxes.qbegin(boost::geometry::index::nearest(x, static_cast<unsigned int>(boxes.size())));
+         box != boxes.qend() && -boost::geometry::distance(box->first, x) >= nearest(0); ++box) {
+      const auto& cell = box->second;
       const double distance = parts.mapping.transform_unit_to_real_cell(cell, place_in(cell, x)).distance(x);
-      if (distance < best.distance) best = {distance, mesh_.number[c]};
+      const Eigen::Vector2d there(-distance, -static_cast<double>(cell->id().get_coarse_cell_id()));
+      if (std::pair(there(0), there(1)) > std::pair(nearest(0), nearest(1))) nearest = there;
     }
-  }
-  if (!mesh_.division.alone())
-    for (const Bytes& bytes : mesh_.division.communicator().gather(std::as_bytes(std::span(nearest)))) {
-      const auto* const other = reinterpret_cast<const Nearest*>(bytes.data());
-      for (std::size_t i = 0; i < nearest.size(); ++i)
-        if (std::pair(other[i].distance, other[i].number) < std::pair(nearest[i].distance, nearest[i].number))
-          nearest[i] = other[i];
-    }
-  std::vector<Place> places(nearest.size());
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    const auto found = std::lower_bound(mesh_.number.begin(), mesh_.number.end(), nearest[i].number);
-    if (found == mesh_.number.end() || *found != nearest[i].number) continue;
+    nearest = mesh_.division.largest(nearest);
+    const auto found = std::ranges::lower_bound(mesh_.number, static_cast<int>(-nearest(1)));
+    if (found == mesh_.number.end() || *found != -nearest(1)) continue;
     places[i].cell = static_cast<int>(found - mesh_.number.begin());
     const auto& cell = parts.cells[static_cast<std::size_t>(places[i].cell)];
-    const dealii::Point<dim> unit = place_in(cell, point<dim>(X.col(static_cast<Eigen::Index>(i))));
+    const dealii::Point<dim> unit = place_in(cell, x);
     const std::vector<int> nodes = parts.nodes(cell);
     for (unsigned int a = 0; a < nodes.size(); ++a)
       if (mesh_.division.owns(dim * nodes[a]))

@@ -24,26 +24,37 @@ struct Mesh {
       gradient;  // (nodes per cell · dim) × (m · n_quadrature) [1/m]: ∂N_a/∂X_k in row k·nodes + a
   Eigen::VectorXd weight;  // m · n_quadrature [m^dim]: quadrature weight × Jacobian
   Eigen::MatrixXd shape;   // nodes per cell × n_quadrature, N_a
+  Eigen::MatrixXd
+      fit;  // the same: values in the points → the fit of degree one along each axis, in the nodes
   Eigen::Matrix<double, dim, Eigen::Dynamic> point;  // dim × n_quadrature in the reference cell, −1 to 1
   Eigen::VectorXd reference_weight;                  // n_quadrature, sum 1
   Eigen::MatrixXd centre_inverse;  // (dim·dim) × m [1/m]: inverse of ∂X/∂ξ at the centre of the corners
-  std::vector<int> part;           // m, of the solid
-  std::vector<int> fixed;          // unknowns that the supports constrain, ascending
-  RankDivision division;           // of the unknowns among ranks
-  RankDivision cell_division;      // of the cells among ranks
-  std::vector<int> cell_place;     // m, of a cell in a vector of that division
-  std::vector<int> number;         // m, of a cell in the whole body; ascending
+  Eigen::MatrixXi outside;  // 2·dim × m: 1 where a cell ends the body at its face −ξ, +ξ, −η, …
+  std::vector<int> part;    // m, of the solid
+  std::vector<int> fixed;   // unknowns that the supports constrain, ascending
+  RankDivision division;    // among ranks
+  std::vector<int> number;  // m, of a cell in the whole body; ascending
+  std::vector<char> own;    // m, whether a cell counts for this rank
+  int cells_of_body = 0;    // of all ranks
 
   int n_nodes() const { return static_cast<int>(node.cols()); }
   int n_cells() const { return static_cast<int>(cell.cols()); }
   int n_unknowns() const { return dim * n_nodes(); }
-  /// Whether a cell counts for this rank.
-  bool owns(int c) const { return cell_division.owns(cell_place[static_cast<std::size_t>(c)]); }
-  /// A value of each cell, as its owner has it.
-  Eigen::VectorXd from_owners(const Eigen::VectorXd& of_cells) const;
-  /// A value of each cell of the whole body, on all ranks; and the rank's part of such a vector.
-  Eigen::VectorXd whole(const Eigen::VectorXd& of_cells) const;
+  bool owns(int c) const { return own[static_cast<std::size_t>(c)] != 0; }
+  /// A value of each cell of the whole body as its owner has it, on all ranks; and the rank's part of them.
+  Eigen::VectorXd whole(const Eigen::VectorXd& of_cells) const {
+    Eigen::VectorXd all = Eigen::VectorXd::Constant(cells_of_body, RankDivision::nothing);
+    for (int c = 0; c < n_cells(); ++c)
+      if (owns(c)) all(number[static_cast<std::size_t>(c)]) = of_cells(c);
+    return division.sum(all);
+  }
   Eigen::VectorXd part_of_whole(const Eigen::VectorXd& of_cells) const { return of_cells(number); }
+  /// Node in a corner of a cell, corners in lexicographic order.
+  int corner(int c, int k) const {
+    int at = 0;
+    for (int axis = dim - 1; axis >= 0; --axis) at = at * (degree + 1) + degree * ((k >> axis) & 1);
+    return cell(at, c);
+  }
   Eigen::Vector3d place(int i) const {  // of a node in space [m]
     Eigen::Vector3d X = Eigen::Vector3d::Zero();
     X.head<dim>() = node.col(i);
@@ -98,7 +109,8 @@ class Discretisation {
   struct Parts;
   void divide(const Solid& cells, Communicator& ranks);
   void take_cells();
-  void copy_cells(int degree);
+  void copy_element(int degree);
+  void copy_cells();
   void constrain_all(int refinement);
   void constrain(const SupportedFace&, double near);
 

@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <vector>
+
 namespace strake::structure::fem {
 
 /// Interpolates the finite-element field at chosen points, N u, and distributes forces in those points to the
@@ -15,9 +17,24 @@ namespace strake::structure::fem {
 template <int dim>
 class PointInterpolation {
  public:
-  PointInterpolation(const Discretisation<dim>&, const Points& at);
-  Points at_points(const Eigen::VectorXd& unknowns) const;  // 3×n
-  Eigen::VectorXd to_unknowns(const Points& force) const;   // dim·nodes
+  PointInterpolation(const Discretisation<dim>& discretisation, const Points& at)
+      : division_(discretisation.mesh().division), shape_(at.cols(), discretisation.mesh().n_nodes()) {
+    std::vector<Eigen::Triplet<double>> entries;
+    int i = 0;
+    for (const auto& place : discretisation.locate(at)) {
+      for (const auto& [node, weight] : place.weights) entries.emplace_back(i, node, weight);
+      ++i;
+    }
+    shape_.setFromTriplets(entries.begin(), entries.end());
+  }
+  Points at_points(const Eigen::VectorXd& unknowns) const {  // 3×n
+    Points values = Points::Zero(3, shape_.rows());
+    values.template topRows<dim>() = (shape_ * unknowns.reshaped(dim, shape_.cols()).transpose()).transpose();
+    return division_.sum(values);
+  }
+  Eigen::VectorXd to_unknowns(const Points& force) const {  // dim·nodes
+    return (force.template topRows<dim>() * shape_).reshaped();
+  }
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& weights() const { return shape_; }
 
  private:

@@ -1,39 +1,30 @@
-#include "structure/fem/mesh/mesh.hpp"
-#include "structure/fem/mesh/rank_division_parts.hpp"
+#include "structure/fem/mesh/rank_division.hpp"
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/partitioner.h>
+#include <deal.II/lac/la_parallel_vector.h>
 
 #include <algorithm>
-#include <iterator>
 #include <numeric>
 #include <span>
-#include <vector>
 
 namespace strake::structure::fem {
 
 using Eigen::Index;
 
-Communicator& RankDivision::communicator() const {
-  return parts_->communicator;
-}
-
-int RankDivision::number(int entry) const {
-  return alone() ? entry : parts_->on_one_rank[static_cast<std::size_t>(entry)];
-}
-
 Index RankDivision::own_of_parts() const {
-  return parts_->entries->locally_owned_size();
+  return entries().locally_owned_size();
 }
 
 Index RankDivision::size_of_parts() const {
-  return static_cast<Index>(parts_->entries->size());
+  return static_cast<Index>(entries().size());
 }
 
 Eigen::MatrixXd RankDivision::sum(const Eigen::MatrixXd& own) const {
   if (alone()) return own;
-  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(own.rows(), own.cols());
-  const std::span<const double> values(own.data(), static_cast<std::size_t>(own.size()));
-  for (const Bytes& bytes : communicator().gather(std::as_bytes(values)))
-    total += Eigen::Map<const Eigen::MatrixXd>(reinterpret_cast<const double*>(bytes.data()), own.rows(),
-                                               own.cols());
+  Eigen::MatrixXd total = own;
+  const dealii::ArrayView<double> values(total.data(), static_cast<std::size_t>(total.size()));
+  dealii::Utilities::MPI::sum<double>(dealii::ArrayView<const double>(values), MPI_COMM_WORLD, values);
   return total;
 }
 
@@ -51,29 +42,17 @@ Eigen::VectorXd RankDivision::largest(const Eigen::VectorXd& own) const {
 
 void RankDivision::update(Eigen::VectorXd& x) const {
   if (alone()) return;
-  const auto& exchange = *parts_->entries;
-  std::vector<double> sent(exchange.n_import_indices());
-  std::vector<MPI_Request> requests;
-  const dealii::ArrayView<double> ghosts(x.data() + own_of_parts(), exchange.n_ghost_indices());
-  exchange.export_to_ghosted_array_start<double>(
-      0, dealii::ArrayView<const double>(x.data(), exchange.locally_owned_size()),
-      dealii::ArrayView<double>(sent.data(), sent.size()), ghosts, requests);
-  exchange.export_to_ghosted_array_finish<double>(ghosts, requests);
+  dealii::LinearAlgebra::distributed::Vector<double> shared(parts_->entries);
+  std::copy_n(x.data(), own_of_parts(), shared.begin());
+  shared.update_ghost_values();
+  for (Index i = own_of_parts(); i < x.size(); ++i) x(i) = shared.local_element(static_cast<unsigned int>(i));
 }
 
 Eigen::VectorXd RankDivision::whole(const Eigen::VectorXd& x) const {
   if (alone()) return x;
-  const auto own = static_cast<std::size_t>(own_of_parts());
-  const std::vector<Bytes> places =
-      communicator().gather(std::as_bytes(std::span(parts_->on_one_rank.data(), own)));
-  const std::vector<Bytes> values = communicator().gather(std::as_bytes(std::span(x.data(), own)));
-  Eigen::VectorXd all(size_of_parts());
-  for (std::size_t r = 0; r < values.size(); ++r) {
-    const auto* const place = reinterpret_cast<const int*>(places[r].data());
-    const auto* const value = reinterpret_cast<const double*>(values[r].data());
-    for (std::size_t i = 0; i < values[r].size() / sizeof(double); ++i) all(place[i]) = value[i];
-  }
-  return all;
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(size_of_parts(), nothing);
+  for (Index i = 0; i < own_of_parts(); ++i) all(number(static_cast<int>(i))) = x(i);
+  return sum(all);
 }
 
 Eigen::VectorXd RankDivision::part(const Eigen::VectorXd& all) const {
@@ -81,21 +60,14 @@ Eigen::VectorXd RankDivision::part(const Eigen::VectorXd& all) const {
   return all(parts_->on_one_rank);
 }
 
-std::vector<Bytes> RankDivision::on_first(std::span<const std::byte> own) const {
-  const std::vector<std::size_t> sizes = communicator().all(own.size());
-  std::vector<Bytes> to(sizes.size()), from(sizes.size());
-  if (!first()) to[0].assign(own.begin(), own.end());
-  for (std::size_t r = 1; first() && r < sizes.size(); ++r) from[r].resize(sizes[r]);
-  communicator().exchange(to, from);
-  if (first()) from[0].assign(own.begin(), own.end());
-  return from;
-}
-
 Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const {
   if (alone()) return own;
   std::vector<double> values;
-  for (const Bytes& bytes : on_first(std::as_bytes(std::span(own.data(), own.data() + own.size()))))
-    std::ranges::copy(values_of<double>(bytes), std::back_inserter(values));
+  communicator().show_first(std::as_bytes(std::span(own.data(), own.data() + own.size())),
+                            [&](std::span<const std::byte> of_rank) {
+                              const auto* const value = reinterpret_cast<const double*>(of_rank.data());
+                              values.insert(values.end(), value, value + of_rank.size() / sizeof(double));
+                            });
   const Eigen::Map<const Eigen::MatrixXd> all(values.data(), own.rows(),
                                               static_cast<Index>(values.size()) / own.rows());
   std::vector<Index> order(static_cast<std::size_t>(all.cols()));
@@ -103,25 +75,5 @@ Eigen::MatrixXd RankDivision::columns_on_first(const Eigen::MatrixXd& own) const
   std::ranges::sort(order, {}, [&](Index i) { return all(0, i); });
   return all(Eigen::all, order);
 }
-
-template <int dim>
-Eigen::VectorXd Mesh<dim>::from_owners(const Eigen::VectorXd& of_cells) const {
-  Eigen::VectorXd values(of_cells.size());
-  values(cell_place) = of_cells;
-  cell_division.update(values);
-  return values(cell_place);
-}
-
-template <int dim>
-Eigen::VectorXd Mesh<dim>::whole(const Eigen::VectorXd& of_cells) const {
-  Eigen::VectorXd values(of_cells.size());
-  values(cell_place) = of_cells;
-  return cell_division.whole(values);
-}
-
-template Eigen::VectorXd Mesh<2>::from_owners(const Eigen::VectorXd&) const;
-template Eigen::VectorXd Mesh<2>::whole(const Eigen::VectorXd&) const;
-template Eigen::VectorXd Mesh<3>::from_owners(const Eigen::VectorXd&) const;
-template Eigen::VectorXd Mesh<3>::whole(const Eigen::VectorXd&) const;
 
 }  // namespace strake::structure::fem

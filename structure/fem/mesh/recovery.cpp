@@ -32,32 +32,9 @@ Eigen::MatrixXd nearest_along_an_axis(const Eigen::VectorXd& weight) {
 
 }  // namespace
 
-// With φ_k the products of 1 and ξ, 1 and η (and ζ), orthogonal on the reference cell:
-//   value in node a = Σ_k φ_k(ξ_a) Σ_q w_q φ_k(ξ_q) v_q / Σ_q w_q φ_k(ξ_q)².
 template <int dim>
 Recovery<dim>::Recovery(const Mesh<dim>& mesh) : mesh_(mesh) {
   const Eigen::Index per_cell = mesh.cell.rows(), points = mesh.n_quadrature;
-  const auto phi = [](int k, const Eigen::Matrix<double, dim, 1>& xi) {
-    double value = 1;
-    for (int axis = 0; axis < dim; ++axis)
-      if ((k >> axis) & 1) value *= xi(axis);
-    return value;
-  };
-  to_nodes_ = Eigen::MatrixXd::Zero(per_cell, points);
-  for (int k = 0; k < (1 << dim); ++k) {
-    double norm = 0;
-    for (Eigen::Index q = 0; q < points; ++q)
-      norm += mesh.reference_weight(q) * phi(k, mesh.point.col(q)) * phi(k, mesh.point.col(q));
-    for (Eigen::Index a = 0; a < per_cell; ++a) {
-      Eigen::Matrix<double, dim, 1> xi;
-      Eigen::Index rest = a;  // nodes of a cell are lexicographic
-      for (int axis = 0; axis < dim; ++axis, rest /= mesh.degree + 1)
-        xi(axis) = 2.0 * static_cast<double>(rest % (mesh.degree + 1)) / mesh.degree - 1;
-      for (Eigen::Index q = 0; q < points; ++q)
-        to_nodes_(a, q) += phi(k, xi) * mesh.reference_weight(q) * phi(k, mesh.point.col(q)) / norm;
-    }
-  }
-
   // Points and nodes of a cell are lexicographic, as many of each.
   const Eigen::Index along = mesh.degree + 1;
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(along);
@@ -77,6 +54,7 @@ Recovery<dim>::Recovery(const Mesh<dim>& mesh) : mesh_(mesh) {
   for (const auto& pair : pairs) {
     number.emplace(pair, size());
     node_.push_back(pair.first);
+    part_.push_back(pair.second);
   }
   cell_.resize(per_cell, mesh.n_cells());
   around_.resize(node_.size());
@@ -88,13 +66,20 @@ Recovery<dim>::Recovery(const Mesh<dim>& mesh) : mesh_(mesh) {
 }
 
 template <int dim>
-Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) const {
+Eigen::MatrixXd Recovery<dim>::sum_on_nodes(const Eigen::MatrixXd& at_quadrature,
+                                            const Eigen::MatrixXd& to_nodes) const {
   const int points = mesh_.n_quadrature;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(at_quadrature.rows(), size());
   for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) * to_nodes_.transpose();
+    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) * to_nodes.transpose();
     for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum.col(cell_(a, c)) += values.col(a);
   }
+  return sum;
+}
+
+template <int dim>
+Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) const {
+  Eigen::MatrixXd sum = sum_on_nodes(at_quadrature, mesh_.fit);
   for (int i = 0; i < size(); ++i)
     sum.col(i) /= static_cast<double>(around_[static_cast<std::size_t>(i)].size());
   return sum;
@@ -103,26 +88,13 @@ Eigen::MatrixXd Recovery<dim>::on_nodes(const Eigen::MatrixXd& at_quadrature) co
 // Σ_cells Σ_q W_q part_aq v_q over Σ_cells Σ_q W_q part_aq, W_q the volume of a point.
 template <int dim>
 Eigen::MatrixXd Recovery<dim>::means_on_nodes(const Eigen::MatrixXd& at_quadrature) const {
-  const int points = mesh_.n_quadrature;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(at_quadrature.rows(), size());
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::MatrixXd values = at_quadrature.middleCols(c * points, points) *
-                                   mesh_.weight.segment(c * points, points).asDiagonal() *
-                                   nearest_.transpose();
-    for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum.col(cell_(a, c)) += values.col(a);
-  }
+  const Eigen::MatrixXd sum = sum_on_nodes(at_quadrature * mesh_.weight.asDiagonal(), nearest_);
   return sum.array().rowwise() / shares_of_volume().transpose().array();
 }
 
 template <int dim>
 Eigen::VectorXd Recovery<dim>::shares_of_volume() const {
-  const int points = mesh_.n_quadrature;
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const Eigen::VectorXd volume = nearest_ * mesh_.weight.segment(c * points, points);
-    for (Eigen::Index a = 0; a < cell_.rows(); ++a) sum(cell_(a, c)) += volume(a);
-  }
-  return sum;
+  return sum_on_nodes(mesh_.weight.transpose(), nearest_).transpose();
 }
 
 template <int dim>
@@ -137,7 +109,7 @@ std::vector<typename Recovery<dim>::Share> Recovery<dim>::shares(int cell, const
       for (Eigen::Index a = 0; a < cell_.rows(); ++a) {
         if (cell_(a, c) != pair) continue;
         const Eigen::VectorXd part =
-            weight / static_cast<double>(around.size()) * to_nodes_.row(a).transpose();
+            weight / static_cast<double>(around.size()) * mesh_.fit.row(a).transpose();
         const auto found = sum.try_emplace(c, Eigen::VectorXd::Zero(mesh_.n_quadrature)).first;
         found->second += part;
       }

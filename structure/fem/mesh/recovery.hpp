@@ -18,6 +18,7 @@ class Recovery {
   explicit Recovery(const Mesh<dim>&);
   int size() const { return static_cast<int>(node_.size()); }  // pairs of a node and a part
   const std::vector<int>& node() const { return node_; }       // of each, ascending
+  const std::vector<int>& part() const { return part_; }       // of each
   const Eigen::MatrixXi& cell() const { return cell_; }        // like Mesh::cell, into the pairs
   /// components × (m · n_quadrature) → components × size().
   Eigen::MatrixXd on_nodes(const Eigen::MatrixXd& at_quadrature) const;
@@ -40,10 +41,11 @@ class Recovery {
   std::vector<Share> shares(int cell, const NodeWeights&) const;
 
  private:
+  Eigen::MatrixXd sum_on_nodes(const Eigen::MatrixXd& at_quadrature, const Eigen::MatrixXd& to_nodes) const;
   const Mesh<dim>& mesh_;
-  Eigen::MatrixXd to_nodes_;  // nodes per cell × n_quadrature, within a cell
-  Eigen::MatrixXd nearest_;  // the same: part of a point's volume that is nearest to a node; columns sum to 1
-  std::vector<int> node_;
+  Eigen::MatrixXd
+      nearest_;  // like Mesh::fit: part of a point's volume that is nearest to a node; columns sum to 1
+  std::vector<int> node_, part_;
   Eigen::MatrixXi cell_;
   std::vector<std::vector<int>> around_;  // of each pair, the cells
 };

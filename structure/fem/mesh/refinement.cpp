@@ -18,13 +18,14 @@ struct CellCount {
   double grown, cells_grown, cells;
 };
 CellCount count_from_one_end(double length, const Grading& grading) {
-  const double grown = std::min(length, (grading.largest - grading.smallest) / grading.growth);
+  const bool grows = grading.left || grading.right;
+  const double grown = grows ? std::min(length, (grading.largest - grading.smallest) / grading.growth) : 0;
   const double cells_grown = std::log1p(grading.growth * grown / grading.smallest) / grading.growth;
   return {grown, cells_grown, cells_grown + (length - grown) / grading.largest};
 }
 
 double whole_number(double cells) {
-  return std::max(1.0, std::ceil(cells - 1e-9));
+  return std::max(1.0, std::ceil(cells - 1e-6));
 }
 
 /// Sizes from one graded end over `length`. The number of cells up to x is N(x) = ∫ dx / s(x): a logarithm
@@ -91,18 +92,10 @@ Solid along_own_axes(const Solid& solid) {
   return level;
 }
 
-/// How an interval between two planes is divided: evenly into cells of a height, or graded.
+/// How an interval between two planes is divided.
 struct Division {
-  double length = 0, height = 0;  // [m] height 0: graded
+  double length = 0;  // [m]
   Grading grading = {};
-
-  double count() const {
-    return height > 0 ? std::max(1.0, std::ceil(length / height - 1e-6)) : graded_count(length, grading);
-  }
-  std::vector<double> sizes() const {
-    if (height == 0) return graded_cells(length, grading);
-    return std::vector<double>(static_cast<std::size_t>(count()), length / count());
-  }
 };
 
 /// Along one axis, for each interval between two planes.
@@ -113,22 +106,25 @@ std::vector<Division> divisions(const Solid& solid, Index axis, int refinement, 
   std::vector<Division> all(plane.size() - 1);
   for (std::size_t i = 0; i + 1 < plane.size(); ++i) {
     Division& division = all[i];
-    double least = std::numeric_limits<double>::infinity(), along = 0;
+    double least = std::numeric_limits<double>::infinity(), along = 0, height = 0;
     for (Index c = 0; c < solid.cell.cols(); ++c) {
       if (interval_of(plane, middle_of_cell(solid, c)[axis]) != i) continue;
       const int part = solid.part_of[static_cast<std::size_t>(c)];
       const double thickness = extent.col(part).head(solid.dimension).minCoeff();
-      double& height = division.height;  // of a cell through a part that is thin here
       if (extent(axis, part) < thin * thickness)
         height = height == 0 ? std::ldexp(thickness, -refinement)
                              : std::min(height, std::ldexp(thickness, -refinement));
       least = std::min(least, thickness);
       along = std::max(along, extent(axis, part));
     }
-    if (division.height == 0) division.height = along_parts;
+    if (height == 0) height = along_parts;
     division.length = plane[i + 1] - plane[i];
     const double near = 1e-9 * division.length;
     Grading& grading = division.grading;
+    if (height > 0) {  // evenly
+      grading = {.smallest = height, .largest = height, .growth = 1};
+      continue;
+    }
     grading = {.smallest = sizes.smallest * std::ldexp(least, -refinement), .growth = sizes.growth};
     grading.largest = std::max(grading.smallest, std::min(sizes.largest * least, sizes.largest_part * along));
     grading.left = i > 0 || supported_at(solid, axis, plane[i], near);
@@ -140,17 +136,12 @@ std::vector<Division> divisions(const Solid& solid, Index axis, int refinement, 
 }  // namespace
 
 double graded_count(double length, const Grading& grading) {
-  if (!grading.left && !grading.right) return whole_number(length / grading.largest);
   if (grading.left && grading.right) return 2 * whole_number(count_from_one_end(length / 2, grading).cells);
   return whole_number(count_from_one_end(length, grading).cells);
 }
 
 std::vector<double> graded_cells(double length, const Grading& grading) {
   assert(length > 0 && grading.smallest > 0 && grading.largest >= grading.smallest && grading.growth > 0);
-  if (!grading.left && !grading.right) {
-    const auto n = static_cast<std::size_t>(whole_number(length / grading.largest));
-    return std::vector<double>(n, length / static_cast<double>(n));
-  }
   if (grading.left && grading.right) {
     std::vector<double> sizes = from_one_end(length / 2, grading);
     std::vector<double> mirrored(sizes.rbegin(), sizes.rend());
@@ -187,7 +178,7 @@ Solid refined(const Solid& solid, int refinement, double along) {
     const auto parts = divisions(solid, axis, refinement, along);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       double x = solid.plane[a][i];
-      for (const double size : parts[i].sizes()) {
+      for (const double size : graded_cells(parts[i].length, parts[i].grading)) {
         line[a].push_back(x);
         interval[a].push_back(i);
         x += size;
@@ -231,7 +222,8 @@ double refined_count(const Solid& solid, int refinement, double along) {
     double cells = 1;
     for (Index axis = 0; axis < solid.dimension; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
-      cells *= parts[a][interval_of(solid.plane[a], X[axis])].count();
+      const Division& part = parts[a][interval_of(solid.plane[a], X[axis])];
+      cells *= graded_count(part.length, part.grading);
     }
     count += cells;
   }
