@@ -103,7 +103,7 @@ void Participants::State::died(Member& m, const Exit& exit) {
     if (!m.connection.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own))
       code = own;
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
-              m.see_log());
+              (m.connection.greeted ? "" : m.fix_launcher()) + m.see_log());
 }
 
 }  // namespace strake

@@ -28,6 +28,7 @@ struct Participants::Member {
   std::optional<Child> child;  // none: started by hand
   bool ours = false;           // a program of Strake that this run started
   std::filesystem::path log;
+  std::string launcher;  // Launch::launcher
   Clock::time_point expected_since;
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
   std::string refusal;                          // why its last Hello was refused
@@ -74,6 +75,8 @@ struct Participants::Member {
   /// "process 41273", for messages.
   std::string process() const;
   std::string see_log() const;
+  /// What its launcher must do, where it has one and no rank has said why it ends.
+  std::string fix_launcher() const;
   /// "CalculiX computes all 300 windows (34 %)".
   std::string said() const;
 };

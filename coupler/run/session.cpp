@@ -130,11 +130,24 @@ void Session::add_forces() {
     }
 }
 
+namespace {
+
+/// The line of the case that starts the ranks of a side: `fluid.launcher = "mpirun -n {ranks}"`. Empty where
+/// it is one process.
+std::string launcher_of(const SideView& side, const CaseView& view) {
+  const std::string table = side.is_body ? "structures." + side.side : side.side;
+  if (view.number(table + ".ranks").value_or(1) <= 1) return {};
+  return fmt::format("{}.launcher = \"{}\"", table, at_or(view.value, table + ".launcher"));
+}
+
+}  // namespace
+
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
   const ForeignKeys& own = case_.common.program_of(side.side);
   const bool started_here = !starts_by_hand(options_.by_hand, side);
+  launch.launcher = launcher_of(side, case_);
   launch.folder = own.folder;
   launch.own_command_line = own.own_command_line;
   if (own.own_command_line) {

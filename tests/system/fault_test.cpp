@@ -176,6 +176,28 @@ TEST_F(Faults, AProgramThatEndsBeforeHelloSpeaksByItsExitCodeAndLog) {
   EXPECT_NE(e.problem().find("toy.toml:3:1: young = 0"), std::string::npos);
 }
 
+// It ends without a word, and without a rank.
+TEST_F(Faults, ALauncherThatStartsNothingIsNamedByItsKey) {
+  Launch launch{"/bin/true", {}, log("fluid"), 1, {}};
+  launch.launcher = "fluid.launcher = \"true\"";
+  participants().launch("fluid", launch);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  EXPECT_EQ(e.code(), ExitCode::participant_lost);
+  EXPECT_NE(e.problem().find("exited with code 0 before it said Hello"), std::string::npos);
+  EXPECT_EQ(e.fix().find("fluid.launcher = \"true\" must start the ranks"), 0u) << e.fix();
+}
+
+TEST_F(Faults, ALauncherThatNeverStartsARankIsNamedByItsKey) {
+  options_.deadlines.hello = milliseconds(300);
+  Launch launch{"/bin/sleep", {}, log("fluid"), 1, {}};
+  launch.own_command_line = true;
+  launch.arguments = {"60"};
+  launch.launcher = "fluid.launcher = \"sleep 60\"";
+  participants().launch("fluid", launch);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  EXPECT_EQ(e.fix().find("fluid.launcher = \"sleep 60\" must start the ranks"), 0u) << e.fix();
+}
+
 TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
   launch("structure", "hash");
   const Error e = error_of([&] { participants().connect("structure", {}); });

@@ -248,6 +248,9 @@ def refusals():
             expect(done.returncode in (2, 3) and words in done.stderr, f"{keys} is refused: {words}\n{done.stderr}")
         done = run(cwd, 2, "none", "--set", "fluid.launcher=/nowhere/mpirun")
         expect(done.returncode == 5 and "cannot be started" in done.stderr, "no launcher\n" + done.stderr)
+        done = run(cwd, 2, "nothing", "--set", "fluid.launcher=true")
+        expect(done.returncode == 5 and "exited with code 0" in done.stderr and 'fluid.launcher = "true" must' in done.stderr,
+               "a launcher that starts nothing\n" + done.stderr)
         done = run(cwd, 2, "few", "--set", "fluid.launcher=mpirun -n 1")
         expect(done.returncode == 5 and "has started 1 ranks, fluid.ranks is 2" in done.stderr,
                "a launcher of fewer ranks\n" + done.stderr)
