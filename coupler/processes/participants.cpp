@@ -57,6 +57,7 @@ std::string Participants::Member::see_log() const {
 
 std::string Participants::Member::fix_launcher() const {
   if (launcher.empty() || has_words_of_ranks(log)) return {};
+  if (log_tail(log).find(".launcher: ") != std::string::npos) return {};  // start_ranks says what is wrong
   return launcher + " must start the ranks by the command behind it, as mpirun -n {ranks} does; ";
 }
 

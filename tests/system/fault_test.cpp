@@ -198,6 +198,25 @@ TEST_F(Faults, ALauncherThatNeverStartsARankIsNamedByItsKey) {
   EXPECT_EQ(e.fix().find("fluid.launcher = \"sleep 60\" must start the ranks"), 0u) << e.fix();
 }
 
+// The other ranks wait for it in the start of MPI.
+TEST_F(Faults, ARankThatIsStoppedBeforeHelloEndsTheRun) {
+  Launch launch{"/bin/sh", {"-c", "sleep 60 & echo process $!; wait"}, log("fluid"), 1, {}};
+  launch.own_command_line = true;
+  launch.launcher = "fluid.launcher = \"mpirun -n {ranks}\"";
+  participants().launch("fluid", launch);
+  wait_for(log("fluid"), "process ");
+  const pid_t rank = pid_of("fluid");
+  signalled_ = steady_clock::now();
+  kill(rank, SIGSTOP);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  report_delay();
+  EXPECT_GE(delay(), 2.5) << "a short stop is waited for";
+  EXPECT_LT(delay(), 10.0);
+  EXPECT_EQ(e.code(), ExitCode::participant_lost);
+  EXPECT_NE(e.problem().find(fmt::format("is stopped (process {})", rank)), std::string::npos);
+  EXPECT_FALSE(runs(rank));
+}
+
 TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
   launch("structure", "hash");
   const Error e = error_of([&] { participants().connect("structure", {}); });

@@ -159,6 +159,21 @@ def lost_rank(kill, rank, limit):
         lose_rank(process, "strake-fluid-ranks", rank, kill, limit)
 
 
+def stopped_in_the_start():
+    """A rank is stopped before it has met the others in the start of MPI."""
+    with folder() as cwd:
+        process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, cwd=cwd)
+        expect(wait_until(lambda: ranks_of(process, "strake-fluid-ranks"), 60), "a rank starts")
+        pid = next(iter(ranks_of(process, "strake-fluid-ranks").values()))
+        began = time.monotonic()
+        os.kill(pid, signal.SIGSTOP)
+        _, said = process.communicate(timeout=60)
+        seconds = time.monotonic() - began
+        expect(process.returncode == 5 and "is stopped" in said, f"stopped in the start: exit {process.returncode}\n{said}")
+        expect(seconds < 6, f"the end of a rank that is stopped in the start: {seconds:.1f} s")
+        expect(wait_until(lambda: not alive(pid), 5), "the stopped rank is not left")
+
+
 def suspended_together(first, second):
     """All ranks are stopped for longer than a rank waits for another, as by a batch system, and go on one after the other."""
     with folder() as cwd:
@@ -263,6 +278,7 @@ same_results()
 a_rank_cannot_write()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
+stopped_in_the_start()
 suspended_together(0, 1)
 suspended_together(1, 0)
 failures_of_ranks()
