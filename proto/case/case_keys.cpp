@@ -197,7 +197,13 @@ CommonKeys read_common(CaseFile& file) {
   keys.window = keys.interface == "volume" ? volume_window : surface_window;
 
   CaseTable run = root.table("run", "how the programs run");
-  run.integer("threads", keys.threads, {.min = 1, .max = 1024, .help = "threads of each solver"});
+  run.integer(
+      "threads", keys.threads,
+      {.min = 1,
+       .max = 1024,
+       .help = "threads of each solver, or of each of its ranks; several ranks without this key divide the "
+               "processors of their machine"});
+  keys.threads_given = file.has("run.threads");
   run.number("checkpoint", keys.checkpoint, positive("s", "wall clock between checkpoints"));
 
   CaseTable output = root.table("output", "what is written");

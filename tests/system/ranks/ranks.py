@@ -251,6 +251,24 @@ def out_of_memory(rank):
         expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
 
 
+def crowded():
+    """More threads than processors are told, with the key that ends it; without run.threads there are none."""
+    with folder() as cwd:
+        processors = len(os.sched_getaffinity(0))
+        for sets, words in ((["fluid.ranks=2", f"run.threads={processors}"], f"--set run.threads={max(1, processors // 2)}"),
+                            (["fluid.ranks=2"], "" if processors >= 2 else "take turns on 1 processor")):
+            done = strake("check", CASE, *[word for key in sets for word in ("--set", key)], cwd=cwd)
+            found = [line for line in done.stdout.splitlines() if "take turns" in line]
+            expect(done.returncode == 0 and (words in found[0] if words else not found), f"check of {sets}: {found}")
+            if processors > 1:
+                threads = processors if len(sets) > 1 else processors // 2
+                expect(f"2 ranks of {threads} thread" in done.stdout, f"check of {sets} says the threads of a rank")
+        done = strake("run", CASE, "--set", "fluid.ranks=2", "--set", "end_time=1e-5", "--quiet", cwd=cwd)
+        log = (pathlib.Path(cwd) / "runs/plate_entry/fluid.log").read_text()
+        each = max(1, processors // 2)
+        expect(f"2 of 2 ranks on this machine, {each} thread" in log, "the ranks divide the processors\n" + log)
+
+
 def refusals():
     with folder() as cwd:
         for keys, words in ((["fluid.ranks=9"], "at least 1000 water particles"),
@@ -284,5 +302,6 @@ suspended_together(1, 0)
 failures_of_ranks()
 for one in (0, 1):
     out_of_memory(one)
+crowded()
 refusals()
 finish()
