@@ -276,6 +276,7 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   copy_ghosts(state, next);
   find_layer_owners(state, next);
   division_ = std::make_shared<Division>(std::move(next));
+  motion_.forget();
 }
 
 template <int dim>

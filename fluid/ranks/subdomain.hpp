@@ -2,6 +2,7 @@
 
 #include "fluid/particles/state.hpp"
 #include "fluid/ranks/buckets.hpp"
+#include "fluid/ranks/ghost_motion.hpp"
 #include "fluid/ranks/halo.hpp"
 #include "fluid/ranks/particle_messages.hpp"
 #include "fluid/ranks/ranks.hpp"
@@ -88,6 +89,7 @@ class Subdomain {
   /// Goes back to a division that was noted with that state, and to its boxes.
   void adopt(std::shared_ptr<const Division> division, const State<dim>& state) {
     division_ = std::move(division);
+    motion_.forget();
     if (has_boxes(state)) take_boxes(state);
   }
   /// Whether the part is that of a state that has just been read.
@@ -101,12 +103,11 @@ class Subdomain {
   /// the ghosts anew. balance: the boxes of the ranks, `state.rank_boxes`, are made anew as well. They are
   /// made where there are none of so many ranks.
   void divide(State<dim>&, bool balance);
-  /// Gives the ghosts the places and velocities of their owners. What else a step reads of a ghost was sent
-  /// when it was computed.
-  void refresh(State<dim>& state) const {
-    update(state.position);
-    update(state.velocity);
-  }
+  /// Gives the ghosts the places and velocities of their owners, at the end of a step.
+  void send_motion(State<dim>& state) const { motion_.send(*communicator_, division_->ghosts, state); }
+  /// The same before the next step. Of what was sent then it sends the changes alone. What else a step reads
+  /// of a ghost was sent when it was computed.
+  void refresh(State<dim>& state) const { motion_.send_changes(*communicator_, division_->ghosts, state); }
   /// Returns the whole state on the first rank; the others get its values without particles. division: the
   /// one of that state.
   State<dim> join(const State<dim>&, const Division&) const;
@@ -192,6 +193,7 @@ class Subdomain {
   std::int64_t water_of_whole_ = 0, layers_ = 0;  // in the whole
   RankBoxes boxes_;                               // of `division_`
   std::shared_ptr<const Division> division_;
+  mutable GhostMotion<dim> motion_;                                   // of `division_`
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
   std::unordered_map<std::int64_t, bool> is_near_;                    // of buckets of layers
 };
@@ -247,6 +249,10 @@ class RankExchange {
       std::ranges::copy_if(near.receive[r], std::back_inserter(some.receive[r]), counts);
     }
     some.update(own_->communicator(), each, read, write);
+  }
+  /// Gives the ghosts the places and velocities of their owners, see Subdomain.
+  void send_motion(State<dim>& state) const {
+    if (own_) own_->send_motion(state);
   }
   /// Gives layer particles of bodies the values of their owners, see Subdomain.
   void gather_bodies(Vectors<dim>& column) const {

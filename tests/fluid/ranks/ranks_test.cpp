@@ -212,6 +212,42 @@ TEST(Ranks, ARewindOverADivisionIsThatOfOneRankToTheLastBit) {
   expect_same(end, one, "after a rewind");
 }
 
+// At the end of a step the ghosts are those of their owners. Before the next one the changes alone are sent.
+TEST(Ranks, SendTheMotionOfGhostsOnce) {
+  Flow<2> flow{.p = tank_case(0.8, 0.2, 0.01, 0.2), .body = {}, .dt = 5e-4, .steps = 3};
+  flow.p.water.max[0] = -0.2;
+  ThreadRanks(2).run([&](Communicator& communicator) {
+    Simulation<2> part(flow.p, flow.body, flow.velocity(), Ranks{&communicator, cut_in_halves});
+    flow.run(part);
+    const Subdomain<2>& own = *part.ranks().subdomain();
+    const Halo& ghosts = own.division().ghosts;
+    const auto other = static_cast<std::size_t>(1 - communicator.rank());
+    const std::int32_t mine = ghosts.send[other][7], theirs = ghosts.receive[other][7],
+                       unmoved = ghosts.receive[other][8];
+    const auto bytes_of = [&](const auto& act) {
+      const std::int64_t before = communicator.account().bytes;
+      act();
+      return communicator.account().bytes - before;
+    };
+    State<2> state = part.state();
+    own.send_motion(state);
+    const State<2> sent = state;
+    EXPECT_EQ(bytes_of([&] { own.refresh(state); }), 8) << "nothing has changed";
+    state.velocity(1, mine) = 3.5 + communicator.rank();  // its owner has moved it,
+    state.position.col(unmoved).setConstant(7);           // and this rank one of its ghosts
+    EXPECT_EQ(bytes_of([&] { own.refresh(state); }), 8 + 40) << "one has changed";
+    EXPECT_EQ(state.velocity(1, theirs), 3.5 + (1 - communicator.rank()));
+    State<2> expected = sent;
+    expected.velocity(1, mine) = state.velocity(1, mine);
+    expected.velocity(1, theirs) = state.velocity(1, theirs);
+    EXPECT_EQ(state.position, expected.position);
+    EXPECT_EQ(state.velocity, expected.velocity);
+    part.restore(part.snapshot());
+    const auto whole = static_cast<std::int64_t>(32 * ghosts.send[other].size());
+    EXPECT_EQ(bytes_of([&] { own.refresh(state); }), whole) << "after a rewind";
+  });
+}
+
 // A long tank: no rank has most of its walls, but together they have all.
 TEST(Ranks, EachHasTheLayersOfTheTankNearItsWater) {
   const Flow<3> flow{.p = basin(2.4, 0.12, 0.02, 0.1), .body = {}, .dt = 5e-4, .steps = 1};
