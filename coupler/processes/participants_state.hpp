@@ -77,8 +77,7 @@ struct Participants::Member {
   /// "process 41273", for messages.
   std::string process() const;
   std::string see_log() const;
-  /// What its launcher must do, where it has one and the log does not say why no rank has started.
-  std::string fix_launcher() const;
+  std::string fix_launcher() const;  // empty: it has no launcher, or the log says why no rank has started
   /// "CalculiX computes all 300 windows (34 %)".
   std::string said() const;
 };

@@ -5,7 +5,7 @@
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_keys.hpp"
+#include "proto/case/rank_threads.hpp"
 
 #include <fmt/format.h>
 

@@ -1,22 +1,11 @@
 #include "proto/case/rank_keys.hpp"
 
-#include <algorithm>
-#include <thread>
-
 namespace strake {
 
 void read_rank_keys(CaseTable& part, const std::string& help, int& ranks, std::string& launcher) {
   part.integer("ranks", ranks, {.min = 1, .max = 4096, .help = help});
   part.text("launcher", launcher,
             {.help = "line that starts the ranks; {ranks} is their number, as in srun -n {ranks}"});
-}
-
-int processors_here() {
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
-int threads_of_rank(const CommonKeys& common, int ranks, int processors) {
-  return common.threads_given ? common.threads : std::max(1, processors / std::max(1, ranks));
 }
 
 void check_rank_keys(const CaseTable& part, int ranks, const std::string& launcher,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/case_keys.hpp"
 
 #include <string>
 
@@ -9,14 +8,6 @@ namespace strake {
 
 /// Reads `ranks` and `launcher` of a part of the case. help: what its ranks are for.
 void read_rank_keys(CaseTable& part, const std::string& help, int& ranks, std::string& launcher);
-
-/// Number of processors that this process may use.
-int processors_here();
-
-/// Threads of each of the ranks on one machine: run.threads, or where the case does not give it
-///   max(1, processors / ranks).
-/// Results do not depend on it.
-int threads_of_rank(const CommonKeys&, int ranks, int processors);
 
 /// What is wrong with several ranks of a part.
 struct RankRefusal {

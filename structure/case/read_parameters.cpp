@@ -1,7 +1,7 @@
 #include "structure/case/read_parameters.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_keys.hpp"
+#include "proto/case/rank_threads.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/fem_keys.hpp"

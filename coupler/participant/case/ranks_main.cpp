@@ -1,7 +1,7 @@
 #include "coupler/participant/ranks_main.hpp"
 
 #include "coupler/participant/case/declared_case.hpp"
-#include "proto/case/rank_keys.hpp"
+#include "proto/case/rank_threads.hpp"
 #include "proto/error.hpp"
 #include "proto/ranks/rank_watch.hpp"
 #include "proto/ranks/ranked_participant.hpp"
