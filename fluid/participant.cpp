@@ -287,12 +287,14 @@ void FluidParticipant<dim>::commit(bool write_output) {
   committed_.measurements = measurements_;
   committed_.progress = progress_;
   if (frames_.of_one) frames_.of_one->check();
+  if (frames_.of_ranks) frames_.of_ranks->look();
   if (write_output) write_frame();
 }
 
 template <int dim>
 void FluidParticipant<dim>::flush() {
   if (frames_.of_one) frames_.of_one->flush();
+  if (frames_.of_ranks) frames_.of_ranks->flush();
 }
 
 template class FluidParticipant<2>;

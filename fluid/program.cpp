@@ -3,6 +3,7 @@
 #include "fluid/case/read_parameters.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/size.hpp"
+#include "proto/case/rank_threads.hpp"
 #include "proto/error.hpp"
 #include "proto/version.hpp"
 
@@ -27,6 +28,9 @@ RankedProgram FluidProgram::program() {
   ranked.on_ranks = "strake-fluid-ranks";
   ranked.ranks = [this] { return parameters_.ranks; };
   ranked.launcher = [this] { return parameters_.launcher; };
+  ranked.share_processors = [this](int ranks, int processors) {
+    return parameters_.threads = threads_of_rank(common_, ranks, processors);
+  };
   Program& program = ranked.program;
   program.program = "strake-fluid";
   program.solver = "mps";

@@ -107,14 +107,14 @@ std::string step_text(const Parameters& p, double window, double step) {
   return text;
 }
 
-std::string ranks_text(const Parameters& p, std::int64_t water, std::int64_t layers) {
+std::string ranks_text(const Parameters& p, bool threads_given, std::int64_t water, std::int64_t layers) {
   const RankSize size = rank_size(p, water, layers);
   constexpr double mebi = 1024.0 * 1024.0;
   return fmt::format(
-      "{} ranks of {} threads: each {} particles of water, at most {:.0f} % more as ghosts, "
+      "{} ranks of {} thread{}{}: each {} particles of water, at most {:.0f} % more as ghosts, "
       "about {:.0f} MiB, the first one {:.0f} MiB while it counts voids",
-      p.ranks, p.threads, grouped(water / p.ranks), 100 * size.ghosts, size.bytes / mebi,
-      size.bytes_of_first / mebi);
+      p.ranks, p.threads, p.threads == 1 ? "" : "s", threads_given ? "" : " on one machine",
+      grouped(water / p.ranks), 100 * size.ghosts, size.bytes / mebi, size.bytes_of_first / mebi);
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
       fmt::format("source {}   gradient {}   surface {}   {}", source_text(s), name(s.gradient),
                   surface_text(s), turbulence_text(s)),
       pressure_text(p, step)};
-  if (p.ranks > 1) lines.push_back(ranks_text(p, water, wall + dummies));
+  if (p.ranks > 1) lines.push_back(ranks_text(p, common.threads_given, water, wall + dummies));
   return lines;
 }
 

@@ -84,6 +84,26 @@ double steps_in_window(const Solver& solver, const CommonKeys& common) {
 
 }  // namespace
 
+namespace {
+
+/// What the case says of the mass of a rigid body that follows its supports in all directions; empty:
+/// nothing. Then no load moves it, and its mass counts in its kinetic energy alone.
+std::string unused_mass(const Parameters& p) {
+  const bool given = p.body.mass > 0 || p.body.inertia > 0 || p.body.inertia_axes || p.body.lumped_mass > 0;
+  if ((p.kind != "rigid" && p.kind != "replay") || p.free.any() || !given) return {};
+  std::string keys;
+  const auto name = [&](bool is_given, const char* key) {
+    if (is_given) keys += (keys.empty() ? "structure." : ", structure.") + std::string(key);
+  };
+  name(p.body.mass > 0, "mass");
+  name(p.body.inertia > 0, "inertia");
+  name(p.body.inertia_axes.has_value(), "inertia_axes");
+  name(p.body.lumped_mass > 0, "lumped.mass");
+  return fmt::format("note: {} moves nothing, since no direction is free (structure.free)", keys);
+}
+
+}  // namespace
+
 std::vector<std::string> describe(const Solver& solver, const Parameters& p, const CommonKeys& common) {
   std::vector<std::string> lines = solver.lines();
   if (p.analysis == Analysis::dynamic && !std::isinf(solver.stable_dt()))
@@ -92,6 +112,7 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
   if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
     lines.push_back(loaded_faces(p, solver.interface()).line);
   if (p.loaded_by_old_key) lines.push_back("structure.wet is called structure.loaded_faces now; both work");
+  if (std::string note = unused_mass(p); !note.empty()) lines.push_back(std::move(note));
   if (p.stays_intact)
     lines.push_back(fmt::format("failure: stays intact, {} structures know no [structure.failure]", p.kind));
   return lines;

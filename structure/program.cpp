@@ -1,5 +1,6 @@
 #include "structure/program.hpp"
 
+#include "proto/case/rank_threads.hpp"
 #include "proto/error.hpp"
 #include "proto/version.hpp"
 #include "structure/case/read_parameters.hpp"
@@ -17,6 +18,9 @@ RankedProgram StructureProgram::program() {
   if (solver_.build_on_ranks) ranked.on_ranks = "strake-structure-" + solver_.kind + "-ranks";
   ranked.ranks = [this] { return parameters_.ranks; };
   ranked.launcher = [this] { return parameters_.launcher; };
+  ranked.share_processors = [this](int ranks, int processors) {
+    return parameters_.threads = threads_of_rank(common_, ranks, processors);
+  };
   Program& program = ranked.program;
   program.program = "strake-structure-" + solver_.kind;
   program.solver = solver_.kind;

@@ -1,4 +1,5 @@
 #include "coupler/case/case_view.hpp"
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -124,6 +125,7 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
     print_understood(view, options, stop);
   } else {
     print_head(view, options);
+    for (const std::string& warning : crowd_lines(view)) print_warning(warning);
     for (const std::string& warning : far_off_lines(view, 0)) print_warning(warning);
   }
 

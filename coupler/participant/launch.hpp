@@ -32,6 +32,9 @@ struct Launch {
   std::filesystem::path folder = {};               // its current folder; empty: that of this process
   int input = -1;                                  // descriptor of its standard input; below 0: /dev/null
   bool own_command_line = false;  // `arguments` are all: a participant is told the rest by its environment
+  /// The line of the case to which the program hands over: `fluid.launcher = "mpirun -n {ranks}"`. Empty: it
+  /// stays one process.
+  std::string launcher = {};
 };
 
 /// What every solver gets beside the environment of this process, so that it computes the same everywhere.

@@ -14,6 +14,8 @@ struct RankedProgram {
   std::string on_ranks = {};                   // "strake-fluid-ranks"; empty: one rank alone
   std::function<int()> ranks = {};             // once `program.declare` has run
   std::function<std::string()> launcher = {};  // "mpirun -n {ranks}"
+  /// Takes so many ranks and processors of one machine, and returns the threads that each rank computes with.
+  std::function<int(int ranks, int processors)> share_processors = {};
 };
 
 /// Replaces this process by the launcher of the ranks that the case asks for. It returns 0 where the case has

@@ -26,7 +26,7 @@ void Participants::State::look_after_all() {
 void Participants::State::look_after(Member& m) {
   if (m.child)
     if (const auto exit = m.child->exit()) return died(m, *exit);
-  if (!m.connection.greeted) return;
+  if (!m.connection.greeted) return check_ranks(m);
   if (socket.connected(m.connection.peer)) {
     m.connection.silent_since.reset();
     return;
@@ -61,6 +61,18 @@ void Participants::State::look_after(Member& m) {
       fmt::format("{}: no heartbeat for {}{}", state, in_seconds(silence),
                   m.asked.empty() ? "" : ", " + m.asked + " was awaited"),
       fmt::format("{}, or --patient when debugging; the limit is coupling.frozen_after", m.see_log()));
+}
+
+/// Ends the run where one of several ranks is stopped before the first Hello.
+void Participants::State::check_ranks(Member& m) const {
+  if (!m.child || m.launcher.empty() || options.deadlines.patient) return;
+  const auto stopped = m.stopped_ranks.look(m.child->pid(), Clock::now());
+  if (!stopped) return;
+  m.broken = true;
+  throw Error(ExitCode::participant_lost, m.place(),
+              fmt::format("one of its ranks or their launcher is stopped (process {}) before the first Hello",
+                          *stopped),
+              m.see_log() + ", or --patient when debugging");
 }
 
 /// ZeroMQ cuts the connection of whoever sends a part that is too large. A participant of Strake never does;
@@ -103,7 +115,7 @@ void Participants::State::died(Member& m, const Exit& exit) {
     if (!m.connection.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own))
       code = own;
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
-              m.see_log());
+              (m.connection.greeted ? "" : m.fix_launcher()) + m.see_log());
 }
 
 }  // namespace strake

@@ -34,10 +34,18 @@ void note_resume(const std::filesystem::path& log, long window) {
                                                    part.count(), resumed, window);
 }
 
-std::string log_tail(const std::filesystem::path& log) {
+namespace {
+
+/// The last lines of a log, and the last of them in which ranks say why they end.
+struct LastLines {
+  std::deque<std::string> lines, of_ranks;
+};
+
+LastLines last_lines(const std::filesystem::path& log) {
   constexpr std::size_t most = 3;
   std::ifstream file(log);
-  std::deque<std::string> lines, of_ranks;
+  LastLines last;
+  auto& [lines, of_ranks] = last;
   for (std::string line; std::getline(file, line);) {
     if (line.find(resumed) != std::string::npos) {
       lines.clear();
@@ -50,6 +58,17 @@ std::string log_tail(const std::filesystem::path& log) {
       if (list->size() > most) list->pop_front();
     }
   }
+  return last;
+}
+
+}  // namespace
+
+bool has_words_of_ranks(const std::filesystem::path& log) {
+  return !last_lines(log).of_ranks.empty();
+}
+
+std::string log_tail(const std::filesystem::path& log) {
+  const auto [lines, of_ranks] = last_lines(log);
   std::string text;
   for (const std::string& line : of_ranks.empty() ? lines : of_ranks)
     text += "\n" + log.filename().string() + ": " + line;

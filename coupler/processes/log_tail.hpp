@@ -13,4 +13,7 @@ void note_resume(const std::filesystem::path& log, long window);
 /// line is returned, and not those that its launcher prints after it.
 std::string log_tail(const std::filesystem::path& log);
 
+/// Whether a rank has said in the log since the last resume why it ends.
+bool has_words_of_ranks(const std::filesystem::path& log);
+
 }  // namespace strake

@@ -55,6 +55,12 @@ std::string Participants::Member::see_log() const {
   return log.empty() ? "see what it printed itself" : "see " + log.string();
 }
 
+std::string Participants::Member::fix_launcher() const {
+  if (launcher.empty() || has_words_of_ranks(log)) return {};
+  if (log_tail(log).find(".launcher: ") != std::string::npos) return {};  // start_ranks says what is wrong
+  return launcher + " must start the ranks by the command behind it, as mpirun -n {ranks} does; ";
+}
+
 Participants::State::State(Options o)
     : options(std::move(o)),
       socket(options.endpoint, {options.keys, options.unencrypted}),
@@ -128,7 +134,7 @@ void Participants::State::await_hello(Member& m) {
     throw Error(ExitCode::participant_lost, m.name,
                 fmt::format("has not said Hello for {} ({} is alive){}{}", in_seconds(waited), m.process(),
                             refused, log_tail(m.log)),
-                fmt::format("{}, or --patient when debugging", m.see_log()));
+                fmt::format("{}{}, or --patient when debugging", m.fix_launcher(), m.see_log()));
   }
 }
 

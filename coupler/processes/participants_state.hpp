@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coupler/processes/remote.hpp"
+#include "coupler/processes/stopped_ranks.hpp"
 #include "coupler/processes/stranger_log.hpp"
 #include "coupler/transport/sockets.hpp"
 #include "proto/wire/wire.hpp"
@@ -28,6 +29,8 @@ struct Participants::Member {
   std::optional<Child> child;  // none: started by hand
   bool ours = false;           // a program of Strake that this run started
   std::filesystem::path log;
+  std::string launcher;  // Launch::launcher
+  StoppedRanks stopped_ranks;
   Clock::time_point expected_since;
   std::chrono::duration<double> tell_after{0};  // of waiting, until a line says so (again)
   std::string refusal;                          // why its last Hello was refused
@@ -74,6 +77,7 @@ struct Participants::Member {
   /// "process 41273", for messages.
   std::string process() const;
   std::string see_log() const;
+  std::string fix_launcher() const;  // empty: it has no launcher, or the log says why no rank has started
   /// "CalculiX computes all 300 windows (34 %)".
   std::string said() const;
 };
@@ -133,6 +137,7 @@ struct Participants::State {
   void answered(Member&, wire::Reply);
   void tell_exchange(const Member&, const wire::Reply&) const;
   void look_after(Member&);
+  void check_ranks(Member&) const;
   void look_after_strangers();
   void note_stranger(const std::string& what, int times);
   void died(Member&, const Exit&);

@@ -105,6 +105,7 @@ void Participants::launch(const std::string& name, Launch launch) {
   attach(name);
   Member& m = *state_->members.back();
   m.log = launch.log;
+  m.launcher = launch.launcher;
   m.ours = launch.program.filename().string().starts_with("strake-");
   m.child.emplace(launch);
 }

@@ -2,6 +2,7 @@
 
 #include "coupler/case/attached_programs.hpp"
 #include "coupler/case/mesh_transfer.hpp"
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
@@ -130,11 +131,25 @@ void Session::add_forces() {
     }
 }
 
+namespace {
+
+/// The line of the case that starts the ranks of a side: `fluid.launcher = "mpirun -n {ranks}"`. Empty where
+/// it is one process.
+std::string launcher_of(const SideView& side, const CaseView& view) {
+  if (ranks_of(view, side) == 1) return {};
+  const std::string key = table_of(side) + ".launcher";
+  return fmt::format("{} = \"{}\"", key, at_or(view.value, key));
+}
+
+}  // namespace
+
 void Session::launch(const SideView& side) {
   Launch launch;
   launch.program = side.program;
   const ForeignKeys& own = case_.common.program_of(side.side);
   const bool started_here = !starts_by_hand(options_.by_hand, side);
+  launch.launcher = launcher_of(side, case_);
+  launch.threads = threads_of(case_, side);
   launch.folder = own.folder;
   launch.own_command_line = own.own_command_line;
   if (own.own_command_line) {
@@ -160,6 +175,7 @@ void Session::launch_attachment(const AttachmentKeys& keys) {
   const bool started_here = std::find(by_hand.begin(), by_hand.end(), keys.name) == by_hand.end();
   Launch launch;
   launch.program = started_here ? program_of(keys, case_) : std::filesystem::path(keys.solver);
+  launch.threads = case_.common.threads;
   launch.arguments = {"--case", (started_here ? case_.path : std::filesystem::absolute(case_.path)).string()};
   for (const std::string& set : case_.sets) launch.arguments.insert(launch.arguments.end(), {"--set", set});
   start(keys.name, std::move(launch), started_here);
@@ -172,7 +188,6 @@ void Session::start(const std::string& name, Launch launch, bool started_here) {
     note_resume(launch.log, *options_.resumed_at);
     launch.keep_log = true;
   }
-  launch.threads = case_.common.threads;
   if (started_here) return participants_->launch(name, std::move(launch));
   participants_->attach(name);
   if (options_.invite) options_.invite(name, participants_->command(name, launch));
@@ -348,6 +363,7 @@ std::vector<std::string> Session::warnings() const {
                       quality.without_load, quality.n_structure,
                       fluid_->mesh().faces.cols() > 0 ? "" : ", with kind = \"radial-basis\""));
   }
+  for (std::string& line : crowd_lines(case_)) warnings.push_back(std::move(line));
   for (std::string& line : far_off_lines(case_, structure_ == nullptr ? 0 : extent_of(structure_->mesh())))
     warnings.push_back(std::move(line));
   return warnings;

@@ -1,6 +1,7 @@
 #include "coupler/study/runner.hpp"
 
 #include "coupler/case/case_queries.hpp"
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
@@ -186,12 +187,14 @@ class Performance {
 
   std::size_t jobs() const { return static_cast<std::size_t>(std::max(1, options_.jobs)); }
 
-  /// Cores for each of the runs that are under way at once, the one that starts among them. Results are the
+  /// Threads of each solver, or of each of its ranks, of the runs that are under way at once, this one among
+  /// them. Results are the
   /// same for any number, and threads that take turns on a core cost twice the time.
-  int threads_of_a_run() const {
+  int threads_of(const PlannedRun& run) const {
     const std::size_t at_once = std::min(jobs(), running_.size() + waiting_.size());
-    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    return static_cast<int>(std::max<std::size_t>(1, cores / std::max<std::size_t>(1, at_once)));
+    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency()),
+                      ranks = static_cast<std::size_t>(most_ranks_of(plan_.case_file, run.sets));
+    return static_cast<int>(std::max<std::size_t>(1, cores / ranks / std::max<std::size_t>(1, at_once)));
   }
 
   void start(const PlannedRun& run) {
@@ -199,7 +202,7 @@ class Performance {
     std::vector<std::string> arguments = arguments_of(plan_, run, options_.folder);
     const auto names_threads = [](const std::string& set) { return set.starts_with("run.threads="); };
     if (std::none_of(run.sets.begin(), run.sets.end(), names_threads))
-      arguments.insert(arguments.end(), {"--set", fmt::format("run.threads={}", threads_of_a_run())});
+      arguments.insert(arguments.end(), {"--set", fmt::format("run.threads={}", threads_of(run))});
     std::error_code error;
     if (fs::exists(folder, error)) {
       const bool unfinished = !options_.again && ledger_.same(run.name, print_[run.name]) &&

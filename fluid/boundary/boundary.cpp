@@ -196,14 +196,14 @@ Vector<dim> Boundary<dim>::face_area(std::int64_t row) const {
 
 template <int dim>
 std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state,
-                                                  std::span<const std::uint8_t> passive_water,
+                                                  std::span<const std::uint8_t> owned,
                                                   std::span<const std::uint8_t> absent_layers) {
   const auto n = static_cast<std::size_t>(state.position.cols());
   tag_.assign(n, plain);
   for (std::size_t i = static_cast<std::size_t>(water_); i < n; ++i)
     if (is_filler(state.kind[i])) tag_[i] = filler;
-  for (std::size_t i = 0; i < passive_water.size(); ++i)
-    if (passive_water[i]) tag_[i] = passive;
+  for (std::size_t i = 0; !owned.empty() && i < static_cast<std::size_t>(water_); ++i)
+    if (!owned[i]) tag_[i] = passive;
   for (std::size_t k = 0; k < absent_layers.size(); ++k)
     if (absent_layers[k]) tag_[static_cast<std::size_t>(water_) + k] |= absent;
   if (body_surface_.empty()) return tag_;

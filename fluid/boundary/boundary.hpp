@@ -95,9 +95,10 @@ class Boundary {
   /// Adopts the places that `state` was saved with.
   void adopt(const State<dim>& state);
 
-  /// Returns the tags of the particles for the neighbour search. passive_water: mask, water that has no row
-  /// on this rank; absent_layers: mask, layer particles that have no pairs; empty: none.
-  std::span<const std::uint8_t> tags(const State<dim>&, std::span<const std::uint8_t> passive_water = {},
+  /// Returns the tags of the particles for the neighbour search. owned: mask, particles of
+  /// this rank; other water has no rows; empty: all are. absent_layers: mask, layer particles that have no
+  /// pairs; empty: none.
+  std::span<const std::uint8_t> tags(const State<dim>&, std::span<const std::uint8_t> owned = {},
                                      std::span<const std::uint8_t> absent_layers = {});
   /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
   /// corner is within reach.

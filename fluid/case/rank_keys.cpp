@@ -25,8 +25,8 @@ std::string only_on_one_rank(const Parameters& p) {
 
 void read_ranks(CaseTable fluid, Parameters& p) {
   read_rank_keys(fluid,
-                 "processes that compute the water together, each with run.threads threads; the results "
-                 "are those of one rank to the tolerance of the pressure",
+                 "processes that compute the water together, each with run.threads threads; the "
+                 "results are those of one rank to the tolerance of the pressure",
                  p.ranks, p.launcher);
 }
 

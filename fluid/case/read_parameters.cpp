@@ -5,6 +5,7 @@
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "proto/case/case_file.hpp"
+#include "proto/case/rank_threads.hpp"
 
 #include <fmt/format.h>
 
@@ -346,6 +347,7 @@ Parameters read(CaseFile& file, const CommonKeys& common) {
   read_scheme(fluid.table("scheme", "the particle method; preset = paper | improved sets the defaults"),
               common, p.sound_speed, common.chosen.level, p.scheme);
   read_ranks(fluid, p);
+  if (p.ranks > 1) p.threads = threads_of_rank(common, p.ranks, processors_here());
   read_air(fluid.table("air", "the air that a flat body traps"), p.air);
   if (!file.only_declares()) check_together(file, common, p);
   return p;

@@ -37,7 +37,7 @@ void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>& boundary, const 
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
       wall_.to_air.col(i) = to_air(boundary, state, far, i);
-  ranks_.update_near(wall_.to_air);
+  ranks_.update(wall_.to_air, Rings::first);
 }
 
 /// Returns tan β of the angle between a face with the normal n and the surface of water. out: to the air,

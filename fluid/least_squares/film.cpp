@@ -130,8 +130,7 @@ void LeastSquaresScheme<dim>::share_films(const Boundary<dim>& boundary, const N
     any = true;
   }
   if (!any) return;
-  for (std::int32_t j = 0; j < boundary.water(); ++j) {
-    if (!ranks_.owns(j)) continue;
+  for (const std::int32_t j : ranks_.water_near_others()) {
     const auto columns = near.row(j);
     for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e)
       if (closes[static_cast<std::size_t>(columns[e])])

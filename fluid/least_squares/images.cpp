@@ -61,7 +61,7 @@ template <int dim>
 void LeastSquaresScheme<dim>::share_image_faces(const Boundary<dim>& boundary) {
   using Faces = std::array<typename Images::Face, dim>;
   const auto first = static_cast<std::int32_t>(boundary.first_of_bodies());
-  ranks_.update_near(
+  ranks_.update(
       sizeof(Faces) + 1,
       [&](std::int32_t i, std::byte* to) {
         const auto k = static_cast<std::size_t>(i);
@@ -76,7 +76,8 @@ void LeastSquaresScheme<dim>::share_image_faces(const Boundary<dim>& boundary) {
         std::memcpy(&faces, from, sizeof faces);
         std::memcpy(&images_.count[k], from + sizeof faces, 1);
         for (auto& face : faces) face.layer += first;
-      });
+      },
+      Rings::first);
 }
 
 /// Finds the faces of particle i: of each direction that one whose middle is nearest, measured along the

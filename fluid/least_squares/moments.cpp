@@ -129,9 +129,9 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
       fit_one(i);
     else
       moments_.water_stop[static_cast<std::size_t>(i)] = far.start()[static_cast<std::size_t>(i)];
-  ranks_.update_near(surface_.share);
+  ranks_.update(surface_.share, Rings::first);
   if (images_.any) {
-    ranks_.update_near(surface_.normal);
+    ranks_.update(surface_.normal, Rings::first);
     pair_images(boundary, state, far);
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < water; ++i)

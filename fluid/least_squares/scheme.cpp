@@ -206,8 +206,7 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::shift(StepData<dim>& step) {
   shift(step.boundary, step.state, step.near_gradient(), step.substepping.age());
-  ranks_.update(step.state.position);
-  ranks_.update(step.state.velocity);
+  ranks_.send_motion(step.state);
 }
 
 template class LeastSquaresScheme<2>;

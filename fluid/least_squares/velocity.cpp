@@ -173,7 +173,7 @@ void LeastSquaresScheme<dim>::fit_velocity(const Boundary<dim>& boundary, const 
   if (boundary.first_of_bodies() < state.position.cols())
     ranks_.update(each, read, write);
   else
-    ranks_.update_near(each, read, write);
+    ranks_.update(each, read, write, Rings::first);
 }
 
 template <int dim>

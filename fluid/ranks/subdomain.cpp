@@ -241,7 +241,6 @@ void Subdomain<dim>::copy_ghosts(State<dim>& state, Division& next) {
       if (near != std::byte{0}) sorted.near.receive[r].push_back(at);
     }
   }
-  for (const std::uint8_t owned : sorted.owned) sorted.ghost.push_back(owned ? 0 : 1);
   sorted.layer_number = std::move(next.layer_number);
   sorted.layer_bucket = std::move(next.layer_bucket);
   next = std::move(sorted);
@@ -276,6 +275,7 @@ void Subdomain<dim>::divide(State<dim>& state, bool balance_again) {
   copy_ghosts(state, next);
   find_layer_owners(state, next);
   division_ = std::make_shared<Division>(std::move(next));
+  motion_.forget();
 }
 
 template <int dim>

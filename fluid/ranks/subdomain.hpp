@@ -2,6 +2,7 @@
 
 #include "fluid/particles/state.hpp"
 #include "fluid/ranks/buckets.hpp"
+#include "fluid/ranks/ghost_motion.hpp"
 #include "fluid/ranks/halo.hpp"
 #include "fluid/ranks/particle_messages.hpp"
 #include "fluid/ranks/ranks.hpp"
@@ -20,6 +21,9 @@
 
 namespace strake::fluid {
 
+/// Rings of buckets around those of a rank, whose water it has copies of.
+enum class Rings { first, both };
+
 /// Which particles a rank has, and who owns them. The water stands in the order of the whole, layer particles
 /// follow. With the state of this rank it is all that a rank needs to go on from there.
 struct Division {
@@ -27,7 +31,6 @@ struct Division {
   std::vector<Bucket> bucket;              // of each water particle, when the water was divided
   std::vector<int> owner;                  // of each water particle
   std::vector<std::uint8_t> owned;         // of each particle: by this rank
-  std::vector<std::uint8_t> ghost;         // of each water particle: it is another rank's, and has no row
   std::vector<std::int64_t> layer_number;  // of each layer particle in the whole, ascending
   std::vector<Bucket> layer_bucket;        // of each layer particle
   bool buckets_hold = false;               // they were read with the state
@@ -36,6 +39,7 @@ struct Division {
   Halo ghosts, near;                       // copies of other ranks' water; those in the first ring alone
   Halo layers;                             // copies of other ranks' layer particles, from the first of them
 
+  const Halo& halo(Rings rings) const { return rings == Rings::both ? ghosts : near; }
   /// Whether each particle has an owner. Before, all ranks have the same layer particles.
   bool is_divided() const { return !ghosts.send.empty(); }
 };
@@ -88,6 +92,7 @@ class Subdomain {
   /// Goes back to a division that was noted with that state, and to its boxes.
   void adopt(std::shared_ptr<const Division> division, const State<dim>& state) {
     division_ = std::move(division);
+    motion_.forget();
     if (has_boxes(state)) take_boxes(state);
   }
   /// Whether the part is that of a state that has just been read.
@@ -101,12 +106,11 @@ class Subdomain {
   /// the ghosts anew. balance: the boxes of the ranks, `state.rank_boxes`, are made anew as well. They are
   /// made where there are none of so many ranks.
   void divide(State<dim>&, bool balance);
-  /// Gives the ghosts the places and velocities of their owners. What else a step reads of a ghost was sent
-  /// when it was computed.
-  void refresh(State<dim>& state) const {
-    update(state.position);
-    update(state.velocity);
-  }
+  /// Gives the ghosts the places and velocities of their owners, at the end of a step.
+  void send_motion(State<dim>& state) const { motion_.send(*communicator_, division_->ghosts, state); }
+  /// The same before the next step. Of what was sent then it sends the changes alone. What else a step reads
+  /// of a ghost was sent when it was computed.
+  void refresh(State<dim>& state) const { motion_.send_changes(*communicator_, division_->ghosts, state); }
   /// Returns the whole state on the first rank; the others get its values without particles. division: the
   /// one of that state.
   State<dim> join(const State<dim>&, const Division&) const;
@@ -128,26 +132,6 @@ class Subdomain {
   /// Numbers of the tank's layer particles that this rank has.
   std::span<const std::int64_t> tank_layers() const { return tank_layers(*division_); }
 
-  /// Gives the ghosts the values of their owners. A column has one entry per particle, of the water at least.
-  template <class Column>
-  void update(Column& column) const {
-    division_->ghosts.update(*communicator_, first_byte(column), bytes_of_entry(column));
-  }
-  /// The same of values that read(i, to) writes to a message and write(i, from) takes from it, of `each`
-  /// bytes.
-  template <class Read, class Write>
-  void update(std::size_t each, const Read& read, const Write& write) const {
-    division_->ghosts.update(*communicator_, each, read, write);
-  }
-  /// The same for ghosts of the first ring alone.
-  template <class Column>
-  void update_near(Column& column) const {
-    division_->near.update(*communicator_, first_byte(column), bytes_of_entry(column));
-  }
-  template <class Read, class Write>
-  void update_near(std::size_t each, const Read& read, const Write& write) const {
-    division_->near.update(*communicator_, each, read, write);
-  }
   /// Gives the layer particles of bodies, and those of walls that are near water of this rank, the values of
   /// their owners. first: place in the column of the first layer particle.
   template <class Column>
@@ -192,6 +176,7 @@ class Subdomain {
   std::int64_t water_of_whole_ = 0, layers_ = 0;  // in the whole
   RankBoxes boxes_;                               // of `division_`
   std::shared_ptr<const Division> division_;
+  mutable GhostMotion<dim> motion_;                                   // of `division_`
   std::unordered_map<std::int64_t, std::vector<Wanting>> wanted_by_;  // of each own bucket
   std::unordered_map<std::int64_t, bool> is_near_;                    // of buckets of layers
 };
@@ -204,9 +189,18 @@ class RankExchange {
   explicit RankExchange(const Subdomain<dim>* own) : own_(own) {}
   const Subdomain<dim>* subdomain() const { return own_; }
   bool several() const { return own_ != nullptr; }
-  /// Water that is in the rows of others and has none on this rank: a mask, or empty.
-  std::span<const std::uint8_t> ghosts() const {
-    return own_ ? std::span<const std::uint8_t>(own_->division().ghost) : std::span<const std::uint8_t>();
+  /// Particles of this rank: a mask, or empty for all. Water of others is in the rows of others alone.
+  std::span<const std::uint8_t> owned() const {
+    return own_ ? std::span<const std::uint8_t>(own_->division().owned) : std::span<const std::uint8_t>();
+  }
+  /// Own water that other ranks have copies of in their first ring, ascending.
+  std::vector<std::int32_t> water_near_others() const {
+    std::vector<std::int32_t> list;
+    if (!own_) return list;
+    for (const auto& sent : halo(Rings::first).send) list.insert(list.end(), sent.begin(), sent.end());
+    std::ranges::sort(list);
+    list.erase(std::ranges::unique(list).begin(), list.end());
+    return list;
   }
   /// Layer particles that are far from all water of this rank: a mask, or empty.
   std::span<const std::uint8_t> absent_layers() const {
@@ -216,30 +210,23 @@ class RankExchange {
   Communicator* communicator() const { return own_ ? &own_->communicator() : nullptr; }  // nullptr: one rank
   /// Whether particle i belongs to this rank.
   bool owns(std::int64_t i) const { return own_ == nullptr || own_->owns(i); }
-  /// Gives the ghosts of this rank the values of their owners.
+  /// Gives the ghosts of this rank the values of their owners. A column has one entry per particle, of the
+  /// water at least.
   template <class Column>
-  void update(Column& column) const {
-    if (own_) own_->update(column);
+  void update(Column& column, Rings rings = Rings::both) const {
+    if (own_) halo(rings).update(own_->communicator(), first_byte(column), bytes_of_entry(column));
   }
   /// The same of values that read(i, to) writes to a message and write(i, from) takes from it, of `each`
   /// bytes.
   template <class Read, class Write>
-  void update(std::size_t each, const Read& read, const Write& write) const {
-    if (own_) own_->update(each, read, write);
+  void update(std::size_t each, const Read& read, const Write& write, Rings rings = Rings::both) const {
+    if (own_) halo(rings).update(own_->communicator(), each, read, write);
   }
-  template <class Column>
-  void update_near(Column& column) const {
-    if (own_) own_->update_near(column);
-  }
-  template <class Read, class Write>
-  void update_near(std::size_t each, const Read& read, const Write& write) const {
-    if (own_) own_->update_near(each, read, write);
-  }
-  /// The same for those alone of which counts(i) is true, on their owners and here.
+  /// The same in the first ring, of those alone of which counts(i) is true, on their owners and here.
   template <class Counts, class Read, class Write>
   void update_some(const Counts& counts, std::size_t each, const Read& read, const Write& write) const {
     if (!own_) return;
-    const Halo& near = own_->division().near;
+    const Halo& near = halo(Rings::first);
     Halo some;
     some.clear(own_->communicator().size());
     for (std::size_t r = 0; r < near.send.size(); ++r) {
@@ -247,6 +234,10 @@ class RankExchange {
       std::ranges::copy_if(near.receive[r], std::back_inserter(some.receive[r]), counts);
     }
     some.update(own_->communicator(), each, read, write);
+  }
+  /// Gives the ghosts the places and velocities of their owners, see Subdomain.
+  void send_motion(State<dim>& state) const {
+    if (own_) own_->send_motion(state);
   }
   /// Gives layer particles of bodies the values of their owners, see Subdomain.
   void gather_bodies(Vectors<dim>& column) const {
@@ -275,6 +266,7 @@ class RankExchange {
   bool any(bool own) const { return own_ ? own_->communicator().any(own) : own; }
 
  private:
+  const Halo& halo(Rings rings) const { return own_->division().halo(rings); }
   const Subdomain<dim>* own_ = nullptr;
 };
 

@@ -63,6 +63,7 @@ void Subdomain<dim>::take_share(State<dim>& state) {
   }
   state.rank_buckets.clear();
   division_ = std::make_shared<Division>(std::move(part));
+  motion_.forget();
 }
 
 template <int dim>

@@ -27,7 +27,7 @@ void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
     viscosity_[static_cast<size_t>(i)] = model_.kinematic_viscosity;
     stress_[static_cast<size_t>(i)] = {};
   }
-  flow.ranks.update_near(
+  flow.ranks.update(
       sizeof(Sent),
       [&](std::int32_t i, std::byte* to) {
         const auto at = static_cast<size_t>(i);
@@ -46,7 +46,8 @@ void ViscousStage<dim>::update_gradient(const ViscousFlow<dim>& flow, Eigen::Vec
         production_[i] = sent.production;
         if (!advances) k[i] = sent.k;
         close(i, g, k[i], sent.production, flow);
-      });
+      },
+      Rings::first);
 }
 
 /// The same for sums one by one: ∇u and the number of neighbours.
@@ -54,7 +55,7 @@ template <int dim>
 void ViscousStage<dim>::update_gradients(const ViscousFlow<dim>& flow, std::span<Tensor<dim>> gradient,
                                          std::span<std::int32_t> neighbours) {
   constexpr std::size_t size = sizeof(Tensor<dim>);
-  flow.ranks.update_near(
+  flow.ranks.update(
       size + sizeof(std::int32_t),
       [&](std::int32_t i, std::byte* to) {
         std::memcpy(to, gradient[static_cast<size_t>(i)].data(), size);
@@ -63,7 +64,8 @@ void ViscousStage<dim>::update_gradients(const ViscousFlow<dim>& flow, std::span
       [&](std::int32_t i, const std::byte* from) {
         std::memcpy(gradient[static_cast<size_t>(i)].data(), from, size);
         std::memcpy(&neighbours[static_cast<size_t>(i)], from + size, sizeof(std::int32_t));
-      });
+      },
+      Rings::first);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                      \

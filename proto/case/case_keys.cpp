@@ -152,6 +152,18 @@ void read_bodies(CaseFile& file, CommonKeys& keys) {
   }
 }
 
+void read_run(CaseFile& file, CommonKeys& keys) {
+  CaseTable run = file.root().table("run", "how the programs run");
+  run.integer(
+      "threads", keys.threads,
+      {.min = 1,
+       .max = 1024,
+       .help = "threads of each solver, or of each of its ranks; several ranks without this key divide the "
+               "processors of their machine"});
+  keys.threads_given = file.has("run.threads");
+  run.number("checkpoint", keys.checkpoint, positive("s", "wall clock between checkpoints"));
+}
+
 }  // namespace
 
 CommonKeys read_common(CaseFile& file) {
@@ -196,10 +208,7 @@ CommonKeys read_common(CaseFile& file) {
       .number("window", volume_window, positive("s", "exchange interval: one step of the fluid"));
   keys.window = keys.interface == "volume" ? volume_window : surface_window;
 
-  CaseTable run = root.table("run", "how the programs run");
-  run.integer("threads", keys.threads, {.min = 1, .max = 1024, .help = "threads of each solver"});
-  run.number("checkpoint", keys.checkpoint, positive("s", "wall clock between checkpoints"));
-
+  read_run(file, keys);
   CaseTable output = root.table("output", "what is written");
   output.number("every", keys.output_every, positive("s", "time between field frames"));
   for (const CaseTable& probe : output.tables("probe", "one place, one quantity, over time"))

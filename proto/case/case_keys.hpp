@@ -55,6 +55,7 @@ struct CommonKeys {
   std::string interpolation = "mean";  // load over a window as the structure takes it: its mean, or a history
                                        // "constant" | "linear" | "quadratic" between its samples
   int threads = 2;                     // run.threads
+  bool threads_given = false;          // else each of several ranks has its share, threads_of_rank
   double checkpoint = 60;              // [s] of wall clock between checkpoints
 };
 

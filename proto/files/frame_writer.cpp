@@ -1,33 +1,14 @@
 #include "proto/files/frame_writer.hpp"
 
-#include <pthread.h>
-#include <signal.h>
+#include "proto/files/blocked_signals.hpp"
+
 #include <utility>
 
 namespace strake {
-namespace {
-
-/// Signals are for the thread that computes: a new thread inherits what is blocked while it is made.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
- private:
-  sigset_t before_;
-};
-
-}  // namespace
 
 FrameWriter::FrameWriter(std::filesystem::path run_folder, std::string name, int dimension)
     : series_(std::move(run_folder), std::move(name), dimension) {
-  const SignalsBlocked blocked;
+  const BlockedSignals blocked;
   thread_ = std::thread([this] { work(); });
 }
 

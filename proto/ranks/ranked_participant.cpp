@@ -21,6 +21,7 @@ enum class Call : std::uint8_t {
   commit_with_output,
   checkpoint,
   resume,
+  flush,
   end
 };
 
@@ -106,6 +107,11 @@ void RankedParticipant::resume(const std::filesystem::path& folder) {
   call_together(ranks_, [&] { own_->resume(folder); });
 }
 
+void RankedParticipant::flush() {
+  ranks_.announce(announcement(Call::flush));
+  call_together(ranks_, [&] { own_->flush(); });
+}
+
 namespace {
 
 /// Does on this rank what the first one has announced.
@@ -127,6 +133,8 @@ void do_own_part(std::unique_ptr<Participant>& own, Call call, const Bytes& byte
     own->checkpoint(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
   } else if (call == Call::resume) {
     own->resume(std::get<wire::Checkpoint>(message_of(bytes).what).folder);
+  } else if (call == Call::flush) {
+    own->flush();
   }
 }
 

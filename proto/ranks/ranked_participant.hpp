@@ -27,7 +27,7 @@ class RankedParticipant final : public Participant {
   void commit(bool write_output) override;
   void checkpoint(const std::filesystem::path& folder) override;
   void resume(const std::filesystem::path& folder) override;
-  void flush() override { own_->flush(); }
+  void flush() override;
 
  private:
   MpiCommunicator& ranks_;

@@ -1,6 +1,7 @@
 #include "structure/case/read_parameters.hpp"
 
 #include "proto/case/case_file.hpp"
+#include "proto/case/rank_threads.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/fem_keys.hpp"
@@ -343,6 +344,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
       "surface_spacing", p.surface_spacing,
       positive("m", "distance of the interface points, the same for every solver; default fluid.spacing"));
   read_ranks(t, p);
+  if (p.ranks > 1) p.threads = threads_of_rank(common, p.ranks, processors_here());
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
            {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});

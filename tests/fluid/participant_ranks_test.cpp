@@ -53,6 +53,7 @@ void on_ranks(int count, const Case& c, const std::filesystem::path& folder,
   ThreadRanks(count).run([&](Communicator& communicator) {
     FluidParticipant<2> participant(c.parameters, c.common, setup, Ranks{&communicator, cut_in_halves, {}});
     use(participant, communicator.rank());
+    participant.flush();
   });
 }
 

@@ -103,6 +103,27 @@ TEST(StructureParticipant, CheckpointGoesOnBitEqualAndFramesAreWritten) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(StructureParticipant, NotesAMassThatMovesNothing) {
+  Parameters p = driven_plate();
+  p.kind = "rigid";
+  const auto notes = [&] {
+    std::string found;
+    for (const std::string& line : describe(Rigid(p), p, mid_probe()))
+      if (line.starts_with("note: ")) found += line;
+    return found;
+  };
+  EXPECT_EQ(notes(), "");
+  p.body.mass = 200;
+  EXPECT_EQ(notes(), "note: structure.mass moves nothing, since no direction is free (structure.free)");
+  p.body.lumped_mass = 3;
+  EXPECT_NE(notes().find("structure.mass, structure.lumped.mass moves nothing"), std::string::npos);
+  p.free.y = true;
+  EXPECT_EQ(notes(), "");
+  p.free.y = false;
+  p.kind = "fem";
+  EXPECT_EQ(notes(), "") << "its mass is that of its material";
+}
+
 TEST(StructureParticipant, FeelsTheLoadOfItsWetFacesAlone) {
   Parameters p = paper_plate(2);
   StructureParticipant all = particles(p);

@@ -176,6 +176,47 @@ TEST_F(Faults, AProgramThatEndsBeforeHelloSpeaksByItsExitCodeAndLog) {
   EXPECT_NE(e.problem().find("toy.toml:3:1: young = 0"), std::string::npos);
 }
 
+// It ends without a word, and without a rank.
+TEST_F(Faults, ALauncherThatStartsNothingIsNamedByItsKey) {
+  Launch launch{"/bin/true", {}, log("fluid"), 1, {}};
+  launch.launcher = "fluid.launcher = \"true\"";
+  participants().launch("fluid", launch);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  EXPECT_EQ(e.code(), ExitCode::participant_lost);
+  EXPECT_NE(e.problem().find("exited with code 0 before it said Hello"), std::string::npos);
+  EXPECT_EQ(e.fix().find("fluid.launcher = \"true\" must start the ranks"), 0u) << e.fix();
+}
+
+TEST_F(Faults, ALauncherThatNeverStartsARankIsNamedByItsKey) {
+  options_.deadlines.hello = milliseconds(300);
+  Launch launch{"/bin/sleep", {}, log("fluid"), 1, {}};
+  launch.own_command_line = true;
+  launch.arguments = {"60"};
+  launch.launcher = "fluid.launcher = \"sleep 60\"";
+  participants().launch("fluid", launch);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  EXPECT_EQ(e.fix().find("fluid.launcher = \"sleep 60\" must start the ranks"), 0u) << e.fix();
+}
+
+// The other ranks wait for it in the start of MPI.
+TEST_F(Faults, ARankThatIsStoppedBeforeHelloEndsTheRun) {
+  Launch launch{"/bin/sh", {"-c", "sleep 60 & echo process $!; wait"}, log("fluid"), 1, {}};
+  launch.own_command_line = true;
+  launch.launcher = "fluid.launcher = \"mpirun -n {ranks}\"";
+  participants().launch("fluid", launch);
+  wait_for(log("fluid"), "process ");
+  const pid_t rank = pid_of("fluid");
+  signalled_ = steady_clock::now();
+  kill(rank, SIGSTOP);
+  const Error e = error_of([&] { participants().connect("fluid", {}); });
+  report_delay();
+  EXPECT_GE(delay(), 2.5) << "a short stop is waited for";
+  EXPECT_LT(delay(), 10.0);
+  EXPECT_EQ(e.code(), ExitCode::participant_lost);
+  EXPECT_NE(e.problem().find(fmt::format("is stopped (process {})", rank)), std::string::npos);
+  EXPECT_FALSE(runs(rank));
+}
+
 TEST_F(Faults, AParticipantWithAnotherCaseIsRefused) {
   launch("structure", "hash");
   const Error e = error_of([&] { participants().connect("structure", {}); });

@@ -1,6 +1,7 @@
 #include "coupler/participant/ranks_main.hpp"
 
 #include "coupler/participant/case/declared_case.hpp"
+#include "proto/case/rank_threads.hpp"
 #include "proto/error.hpp"
 #include "proto/ranks/rank_watch.hpp"
 #include "proto/ranks/ranked_participant.hpp"
@@ -15,6 +16,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <sched.h>
 #include <string>
 #include <string_view>
 #include <unistd.h>
@@ -82,6 +84,35 @@ void take_case(const MpiCommunicator& ranks, int argc, char** argv, const Ranked
               "give the launcher {ranks}, as in mpirun -n {ranks}");
 }
 
+/// What the ranks of one machine share.
+struct SharedMachine {
+  int ranks = 1, processors = 1;
+};
+
+/// Counts the ranks on the machine of this one, and the processors that any of them may use. A launcher may
+/// give each rank processors of its own.
+SharedMachine shared_machine(MPI_Comm all) {
+  MPI_Comm here = MPI_COMM_NULL;
+  MPI_Comm_split_type(all, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  SharedMachine machine;
+  MPI_Comm_size(here, &machine.ranks);
+  cpu_set_t own{}, any{};
+  const bool known = sched_getaffinity(0, sizeof own, &own) == 0;
+  MPI_Allreduce(&own, &any, sizeof own, MPI_BYTE, MPI_BOR, here);
+  MPI_Comm_free(&here);
+  machine.processors = known ? std::max(1, CPU_COUNT(&any)) : processors_here();
+  return machine;
+}
+
+/// Lets each rank take its share of the processors.
+void share_processors(const MpiCommunicator& ranks, const RankedProgram& ranked) {
+  const auto [here, processors] = shared_machine(ranks.all_ranks());
+  const int threads = ranked.share_processors(here, processors);
+  if (ranks.rank() == 0)
+    spdlog::info("{} of {} ranks on this machine, {} thread{} each, {} processor{}", here, ranks.size(),
+                 threads, threads == 1 ? "" : "s", processors, processors == 1 ? "" : "s");
+}
+
 int run(MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& ranked,
         const RankFactory& build) {
   Program program = ranked.program;
@@ -144,7 +175,10 @@ int ranks_main(int argc, char** argv, const RankedProgram& ranked,
   int code = 0;
   try {
     const RankWatch watch(ranks, ranked.program.prefix);
-    code = run(ranks, argc, argv, ranked, [&](const Setup& setup) { return build(setup, ranks); });
+    code = run(ranks, argc, argv, ranked, [&](const Setup& setup) {
+      share_processors(ranks, ranked);
+      return build(setup, ranks);
+    });
   } catch (const Error& error) {
     say_why(error.what());
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(error.code()));

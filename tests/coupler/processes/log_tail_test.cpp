@@ -52,8 +52,10 @@ TEST(LogTail, HoldsWhatARankHasSaidOfItsEnd) {
   const auto log = place / "fluid.log";
   std::ofstream(log) << "rank one\nrank 1 of the fluid: is out of memory\none\ntwo\nthree\n";
   EXPECT_EQ(log_tail(log), "\nfluid.log: rank 1 of the fluid: is out of memory");
+  EXPECT_TRUE(has_words_of_ranks(log));
   note_resume(log, 7);
   EXPECT_EQ(log_tail(log), "");
+  EXPECT_FALSE(has_words_of_ranks(log));
 }
 
 }  // namespace

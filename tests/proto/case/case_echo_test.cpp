@@ -137,11 +137,19 @@ TEST(Toml, NumbersAreShortAndReadBack) {
     EXPECT_EQ(toml::parse("x = " + to_toml(x))["x"].value<double>(), x);
 }
 
-TEST(CaseEcho, PathsAreAbsoluteSoThatACopyElsewhereReadsTheSame) {
+/// A case with a structure of the user's in a folder of its own, and what goes on in its table.
+class UsersStructure {
+ public:
+  explicit UsersStructure(const std::string& keys) {
+    put(folder / "case.toml", "[structure]\nsolver = \"./spring.py\"\n" + keys);
+  }
+  CaseFile load() const { return CaseFile::load(folder / "case.toml"); }
+  std::string place() const { return std::filesystem::absolute(folder.path()).lexically_normal().string(); }
   const TemporaryFolder folder;
-  put(folder / "case.toml", R"([structure]
-solver = "./spring.py"
-folder = "work"
+};
+
+TEST(CaseEcho, PathsAreAbsoluteSoThatACopyElsewhereReadsTheSame) {
+  const UsersStructure users(R"(folder = "work"
 surface = "../skin.msh"
 title = "work"
 [structure.replay]
@@ -150,10 +158,10 @@ run = "runs/earlier"
 command = ["./bin/flap", "./input"]
 config = "/etc/precice.xml"
 )");
-  CaseFile file = CaseFile::load(folder / "case.toml");
+  CaseFile file = users.load();
   std::string run;
   file.root().table("structure").table("replay").text("run", run, {.path = true});
-  const std::string place = std::filesystem::absolute(folder.path()).lexically_normal().string();
+  const std::string place = users.place();
   EXPECT_EQ(run, place + "/runs/earlier");
   EXPECT_NE(file.echo("structure").find("run = \"" + run + "\""), std::string::npos)
       << file.echo("structure");
@@ -167,12 +175,7 @@ config = "/etc/precice.xml"
 }
 
 TEST(CaseEcho, FilesOfAUsersProgramAreAbsoluteWhereTheyExist) {
-  const TemporaryFolder folder;
-  std::filesystem::create_directories(folder / "data.d");
-  for (const char* name : {"law.csv", "data.d/grid.msh", "soft", "flap.inp"}) put(folder / name, "1");
-  put(folder / "case.toml", R"([structure]
-solver = "./spring.py"
-arguments = ["law.csv"]
+  const UsersStructure users(R"(arguments = ["law.csv"]
 law = "law.csv"
 grids = ["./data.d/grid.msh", "other.msh"]
 kind = "soft"
@@ -183,9 +186,9 @@ deck = "flap.inp"
 [structure.precice]
 command = ["./bin/flap", "flap.inp"]
 )");
-  const CaseFile file = CaseFile::load(folder / "case.toml");
-  const std::string given = file.as_given("structure", "/opt/spring.py");
-  const std::string place = std::filesystem::absolute(folder.path()).lexically_normal().string();
+  std::filesystem::create_directories(users.folder / "data.d");
+  for (const char* name : {"law.csv", "data.d/grid.msh", "soft", "flap.inp"}) put(users.folder / name, "1");
+  const std::string given = users.load().as_given("structure", "/opt/spring.py"), place = users.place();
   for (const std::string& line :
        {"law = '" + place + "/law.csv'", "grids = [ '" + place + "/data.d/grid.msh', 'other.msh' ]",
         "deck = '" + place + "/flap.inp'", std::string("arguments = [ 'law.csv' ]"),

@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
 namespace strake {
 namespace {
@@ -39,6 +41,7 @@ void write(const TemporaryFolder& folder, const std::vector<double>& times, doub
     RankedFrames frames(folder.path(), "fluid", 2, ranks);
     if (from >= 0) frames.truncate(from);
     for (const double time : times) frames.write(cloud(time, ranks.rank()));
+    frames.flush();
   });
 }
 
@@ -109,10 +112,15 @@ TEST(RankedFrames, a_rank_that_cannot_write_is_an_error_on_all_and_leaves_no_fra
   ThreadRanks(3).run([&](Communicator& ranks) {
     RankedFrames frames(folder.path(), "fluid", 2, ranks);
     frames.write(cloud(0, ranks.rank()));
+    frames.flush();
     if (ranks.rank() == 0) std::filesystem::create_directories(folder / "frames/fluid-000001/0002.h5/taken");
     ranks.any(false);
-    const std::string text =
-        error_of([&] { frames.write(cloud(0.5, ranks.rank())); }, ExitCode::cannot_write);
+    const std::string text = error_of(
+        [&] {
+          frames.write(cloud(0.5, ranks.rank()));
+          frames.flush();
+        },
+        ExitCode::cannot_write);
     EXPECT_NE(text.find("fluid-000001/0002.h5: cannot be written"), std::string::npos) << text;
     ++told;
   });
@@ -120,6 +128,53 @@ TEST(RankedFrames, a_rank_that_cannot_write_is_an_error_on_all_and_leaves_no_fra
   EXPECT_FALSE(std::filesystem::exists(folder / "frames/fluid-000001"));
   EXPECT_FALSE(std::filesystem::exists(folder / "frames/fluid-000001.h5"));
   EXPECT_EQ(list_frames(folder.path(), "fluid").size(), 1U);
+}
+
+// The ranks compute on while their parts are written.
+TEST(RankedFrames, a_frame_is_joined_by_the_first_look_that_finds_all_parts) {
+  const TemporaryFolder folder;
+  ThreadRanks(3).run([&](Communicator& ranks) {
+    RankedFrames frames(folder.path(), "fluid", 2, ranks);
+    frames.look();  // nothing is under way
+    frames.write(cloud(0, ranks.rank()));
+    EXPECT_FALSE(std::filesystem::exists(folder / "frames/fluid-000000.h5"));
+    ranks.any(false);  // all have looked
+    const auto joined = [&] { return ranks.any(std::filesystem::exists(folder / "frames/fluid-000000.h5")); };
+    for (int k = 0; k < 1000 && !joined(); ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      frames.look();
+    }
+    EXPECT_TRUE(joined());
+    ranks.any(false);
+    frames.write(cloud(0.5, ranks.rank()));
+    frames.write(cloud(0.7, ranks.rank()));  // joins the one before
+    EXPECT_TRUE(joined());
+  });
+  EXPECT_EQ(list_frames(folder.path(), "fluid").size(), 2U) << "the last one was not joined";
+  EXPECT_EQ(read_frame(folder / "frames/fluid-000001.h5").time, 0.5);
+}
+
+TEST(RankedFrames, a_part_that_fails_meanwhile_is_told_by_a_look) {
+  const TemporaryFolder folder;
+  std::atomic<int> told = 0;
+  ThreadRanks(3).run([&](Communicator& ranks) {
+    RankedFrames frames(folder.path(), "fluid", 2, ranks);
+    if (ranks.rank() == 0) std::filesystem::create_directories(folder / "frames/fluid-000000/0001.h5/taken");
+    ranks.any(false);
+    frames.write(cloud(0, ranks.rank()));
+    const std::string text = error_of(
+        [&] {
+          for (int k = 0; k < 1000; ++k) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            frames.look();
+          }
+        },
+        ExitCode::cannot_write);
+    EXPECT_NE(text.find("fluid-000000/0001.h5: cannot be written"), std::string::npos) << text;
+    ++told;
+  });
+  EXPECT_EQ(told, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "frames/fluid-000000"));
 }
 
 TEST(RankedFrames, a_resumed_series_drops_later_frames_with_their_parts) {

@@ -159,6 +159,21 @@ def lost_rank(kill, rank, limit):
         lose_rank(process, "strake-fluid-ranks", rank, kill, limit)
 
 
+def stopped_in_the_start():
+    """A rank is stopped before it has met the others in the start of MPI."""
+    with folder() as cwd:
+        process = start("run", CASE, "--set", "fluid.ranks=2", *ENTRY, cwd=cwd)
+        expect(wait_until(lambda: ranks_of(process, "strake-fluid-ranks"), 60), "a rank starts")
+        pid = next(iter(ranks_of(process, "strake-fluid-ranks").values()))
+        began = time.monotonic()
+        os.kill(pid, signal.SIGSTOP)
+        _, said = process.communicate(timeout=60)
+        seconds = time.monotonic() - began
+        expect(process.returncode == 5 and "is stopped" in said, f"stopped in the start: exit {process.returncode}\n{said}")
+        expect(seconds < 6, f"the end of a rank that is stopped in the start: {seconds:.1f} s")
+        expect(wait_until(lambda: not alive(pid), 5), "the stopped rank is not left")
+
+
 def suspended_together(first, second):
     """All ranks are stopped for longer than a rank waits for another, as by a batch system, and go on one after the other."""
     with folder() as cwd:
@@ -236,6 +251,24 @@ def out_of_memory(rank):
         expect(wait_until(lambda: not any(alive(pid) for pid in pids.values()), 5), "no rank is left")
 
 
+def crowded():
+    """More threads than processors are told, with the key that ends it; without run.threads there are none."""
+    with folder() as cwd:
+        processors = len(os.sched_getaffinity(0))
+        for sets, words in ((["fluid.ranks=2", f"run.threads={processors}"], f"--set run.threads={max(1, processors // 2)}"),
+                            (["fluid.ranks=2"], "" if processors >= 2 else "take turns on 1 processor")):
+            done = strake("check", CASE, *[word for key in sets for word in ("--set", key)], cwd=cwd)
+            found = [line for line in done.stdout.splitlines() if "take turns" in line]
+            expect(done.returncode == 0 and (words in found[0] if words else not found), f"check of {sets}: {found}")
+            if processors > 1:
+                threads = processors if len(sets) > 1 else processors // 2
+                expect(f"2 ranks of {threads} thread" in done.stdout, f"check of {sets} says the threads of a rank")
+        done = strake("run", CASE, "--set", "fluid.ranks=2", "--set", "end_time=1e-5", "--quiet", cwd=cwd)
+        log = (pathlib.Path(cwd) / "runs/plate_entry/fluid.log").read_text()
+        each = max(1, processors // 2)
+        expect(f"2 of 2 ranks on this machine, {each} thread" in log, "the ranks divide the processors\n" + log)
+
+
 def refusals():
     with folder() as cwd:
         for keys, words in ((["fluid.ranks=9"], "at least 1000 water particles"),
@@ -248,6 +281,9 @@ def refusals():
             expect(done.returncode in (2, 3) and words in done.stderr, f"{keys} is refused: {words}\n{done.stderr}")
         done = run(cwd, 2, "none", "--set", "fluid.launcher=/nowhere/mpirun")
         expect(done.returncode == 5 and "cannot be started" in done.stderr, "no launcher\n" + done.stderr)
+        done = run(cwd, 2, "nothing", "--set", "fluid.launcher=true")
+        expect(done.returncode == 5 and "exited with code 0" in done.stderr and 'fluid.launcher = "true" must' in done.stderr,
+               "a launcher that starts nothing\n" + done.stderr)
         done = run(cwd, 2, "few", "--set", "fluid.launcher=mpirun -n 1")
         expect(done.returncode == 5 and "has started 1 ranks, fluid.ranks is 2" in done.stderr,
                "a launcher of fewer ranks\n" + done.stderr)
@@ -260,10 +296,12 @@ same_results()
 a_rank_cannot_write()
 lost_rank(signal.SIGKILL, 1, 5)
 lost_rank(signal.SIGSTOP, 0, 10)
+stopped_in_the_start()
 suspended_together(0, 1)
 suspended_together(1, 0)
 failures_of_ranks()
 for one in (0, 1):
     out_of_memory(one)
+crowded()
 refusals()
 finish()

@@ -1,0 +1,81 @@
+#include "coupler/case/rank_threads.hpp"
+
+#include "proto/case/case_file.hpp"
+#include "proto/case/rank_threads.hpp"
+#include "proto/lookup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <sstream>
+#include <string_view>
+
+namespace strake {
+namespace {
+
+/// Whether a launcher starts its ranks on this machine alone: mpirun, without hosts of its own or of a batch
+/// system.
+bool stays_here(const std::string& launcher) {
+  constexpr std::array variables{"SLURM_JOB_ID", "PBS_NODEFILE", "LSB_HOSTS", "PE_HOSTFILE",
+                                 "OMPI_MCA_orte_default_hostfile"};
+  if (std::ranges::any_of(variables, [](const char* name) { return std::getenv(name) != nullptr; }))
+    return false;
+  std::istringstream text(launcher);
+  std::string program;
+  text >> program;
+  const std::filesystem::path name = std::filesystem::path(program).filename();
+  if (name != "mpirun" && name != "mpiexec") return false;
+  for (std::string word; text >> word;)
+    if (word == "-H" || word == "-f" || word.find("host") != std::string::npos ||
+        word.find("machinefile") != std::string::npos)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+std::string table_of(const SideView& side) {
+  return side.is_body ? "structures." + side.side : side.side;
+}
+
+int ranks_of(const CaseView& view, const SideView& side) {
+  return static_cast<int>(view.number(table_of(side) + ".ranks").value_or(1));
+}
+
+int threads_of(const CaseView& view, const SideView& side) {
+  const int ranks = ranks_of(view, side);
+  return ranks > 1 ? threads_of_rank(view.common, ranks, processors_here()) : view.common.threads;
+}
+
+std::vector<std::string> crowd_lines(const CaseView& view, int processors) {
+  std::vector<std::string> lines;
+  if (processors == 0) processors = processors_here();
+  for (const SideView* side : view.sides()) {
+    const int ranks = ranks_of(view, *side), threads = threads_of_rank(view.common, ranks, processors);
+    if (ranks == 1 || ranks * threads <= processors) continue;
+    if (!stays_here(at_or(view.value, table_of(*side) + ".launcher"))) continue;
+    const int share = std::max(1, processors / ranks);
+    lines.push_back(fmt::format("{}: {} ranks of {} thread{} take turns on {} processor{}: --set {}",
+                                side->side, ranks, threads, threads == 1 ? "" : "s", processors,
+                                processors == 1 ? "" : "s",
+                                threads > share ? fmt::format("run.threads={}", share)
+                                                : fmt::format("{}.ranks={}", table_of(*side), processors)));
+  }
+  return lines;
+}
+
+int most_ranks_of(const std::filesystem::path& case_file, const std::vector<std::string>& sets) {
+  const CaseFile file = CaseFile::load(case_file, sets);
+  double most = 1;
+  const auto look = [&](const CaseFile& in, const std::string& key) {
+    for (const double ranks : in.numbers_at(key)) most = std::max(most, ranks);
+  };
+  look(file, "fluid.ranks");
+  if (file.bodies().empty()) look(file, "structure.ranks");
+  for (const std::string& body : file.bodies()) look(file.of_body(body), "structure.ranks");
+  return static_cast<int>(std::min(most, 4096.0));
+}
+
+}  // namespace strake
