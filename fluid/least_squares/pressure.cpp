@@ -84,8 +84,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
     const double share = surface_.share[i], own = local + absorption;
     if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
     equation_.own[i] = static_cast<float>(own);
-    double& source = equation_.source[i];
-    source = local * state.pressure[i] + drift * deviation;
+    double& source = equation_.source[i] = local * state.pressure[i] + drift * deviation;
     if (absorption > 0) source += absorption * still_pressure(boundary, state.position.col(i));
     system.diagonal[i] = moments_.diagonal[i] + surface_.kappa[i] + own;
     const double incompressible = 1 - local / system.diagonal[i];
