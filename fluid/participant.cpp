@@ -54,7 +54,7 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
                                           double speed) {
   const double width = level_face(body, p.water.max[1] - 0.5 * p.spacing);
   constexpr double spacings = 5, advised = 0.3;  // [l0]; the second is c Δt
-  // Spacings on the half width from which such steps give the impulse of a panel in space within 6 %
+  // Spacings on the half width from which such steps give the impulse of a panel in space within some 3 %
   // (cases/VALIDATION.md, "Plates in space, with sound").
   constexpr double on_half_width = 18;
   const bool resolved = p.sound_speed * std::min(p.scheme.time_step, window) <= p.spacing;
@@ -68,7 +68,7 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
   const double spacing = std::sqrt(width) / (2 * on_half_width);
   if (p.dimension == 3 && spacing < p.spacing)
     line += fmt::format(
-        ", and a spacing of {:.2g} m or less: with this one the impulse would be up to a fifth too large",
+        ", and a spacing of {:.2g} m or less: with this one the impulse would be up to a tenth too large",
         spacing);
   return {line};
 }
