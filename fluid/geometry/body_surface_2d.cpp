@@ -202,6 +202,7 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       const Vector2 place = vertex_.col(at), inwards = vertex_.col(last ? at - 1 : at + 1) - place;
       ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm()};
     }
+  meet_at_bisectors();
   run_low_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   run_high_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   for (std::size_t r = 0; r < edges_.size(); ++r) {
@@ -225,6 +226,24 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
     low_ = run_low_.rowwise().minCoeff();
     high_ = run_high_.rowwise().maxCoeff();
   }
+}
+
+/// Lets the faces of a corner of more than a right angle end at its bisector. Water before such a corner lies
+/// past both faces, and must have one of them: with t = i − i', i and i' the directions from the corner along
+/// the face and along the other one,
+///   inside(x) = (x − corner)·t/(i·t) .
+void BodySurface2d::meet_at_bisectors() {
+  const std::vector<std::array<Ending, 2>> along = ends_;
+  for (std::size_t r = 0; r < edges_.size(); ++r)
+    for (const bool last : {false, true}) {
+      const Edge& edge = edges_[r];
+      const double angle = last ? edge.end_angle : edge.start_angle;
+      if (edge.closed || angle < right_angle || angle >= std::numbers::pi) continue;
+      const Ending& other = along[static_cast<std::size_t>(last ? edge.next : edge.previous)][last ? 0 : 1];
+      Ending& own = ends_[r][last ? 1 : 0];
+      const Vector2 direction = own.inwards / own.length, across = direction - other.inwards / other.length;
+      own = {own.place, across, direction.dot(across)};
+    }
 }
 
 bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners corners) const {

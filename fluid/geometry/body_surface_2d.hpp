@@ -108,6 +108,7 @@ class BodySurface2d {
   bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
   void add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
   void connect(std::size_t first_edge);
+  void meet_at_bisectors();
 
   InterfaceMesh mesh_;
   std::vector<Edge> edges_;

@@ -147,8 +147,10 @@ void BodySurface3d::find_local_edges() {
                    theirs = patches_.area[static_cast<std::size_t>(border->other)];
       const bool owned =
           mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
+      const bool blunt = border->angle >= right_angle && border->angle < std::numbers::pi;
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle});
+                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle,
+                       blunt ? 1 / std::tan(0.5 * border->angle) : 0.0});
     }
     edge_start_.push_back(edge_.size());
   }
@@ -307,8 +309,21 @@ bool BodySurface3d::separates(const Vector3& a, int near_a, const Vector3& b, in
   return grid_.cuts(a, b);
 }
 
+// Water before an edge of more than a right angle lies past both faces, and must have one of them. It has
+// the nearer: at the height h over a face, the plane that halves the angle α lies h tan((π − α)/2) past the
+// edge. The edge nearest to the foot of x counts.
 bool BodySurface3d::faces(int k, const Vector3& x) const {
-  return holds(k, x);
+  if (holds(k, x)) return true;
+  const Vector3 arm = x - point_.col(k);
+  const double height = arm.dot(normal_.col(k));
+  if (!(height > 0)) return false;
+  double past = std::numeric_limits<double>::infinity(), allowed = 0;
+  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
+    if (away > past || (away == past && edge.lean > 0)) return;
+    past = away;
+    allowed = height * edge.lean;
+  });
+  return past <= allowed;
 }
 
 auto BodySurface3d::nearest(const Vector3& x) const -> Foot {

@@ -71,7 +71,8 @@ class BodySurface3d {
   /// Whether the body lies between two places of water. near_a, near_b: their nearest triangles (−1: none
   /// within reach).
   bool separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
-  /// Whether x lies over the patch of wet point k: not past its edges.
+  /// Whether x lies over the patch of wet point k: not past its edges. An edge of more than a right angle is
+  /// passed at the plane that halves it.
   bool faces(int k, const Vector3& x) const;
   /// Returns the distance of x from the nearest edge of that patch, along the face [m]. It is negative past
   /// the edge, and infinite where no edge is near or x is past an edge that does not count.
@@ -104,8 +105,13 @@ class BodySurface3d {
   struct LocalEdge {  // of a patch, from a wet point near it, in the two edges of its triangle
     Eigen::Vector2d from, to;
     bool owned, sharp;
+    double lean;  // tan of the angle between normal and halving plane, zero at a sharp or concave edge
   };
   void find_local_edges();
+  /// Calls visit(edge, distance of x from it along the face [m], nearest place of the edge) for the edges of
+  /// the patch that lie near wet point k.
+  template <class Visit>
+  void for_each_near_edge(int k, const Vector3& x, const Visit& visit) const;
   void find_plane_patches();
   void add_layers();
   void go_beyond();
@@ -134,24 +140,28 @@ class BodySurface3d {
   TriangleGrid grid_;
 };
 
-template <class Counts>
-double BodySurface3d::within(int k, const Vector3& x, const Counts& counts) const {
-  const auto first = edge_start_[static_cast<std::size_t>(k)],
-             last = edge_start_[static_cast<std::size_t>(k) + 1];
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (first == last) return infinity;
+template <class Visit>
+void BodySurface3d::for_each_near_edge(int k, const Vector3& x, const Visit& visit) const {
   const int t = points_.point[static_cast<std::size_t>(k)].triangle;
   const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0), middle = point_.col(k);
   const auto in_space = [&](const Eigen::Vector2d& at) -> Vector3 { return at.x() * e1 + at.y() * e2; };
   const Vector3 foot = in_space(in_triangle(now_, t, x - middle));
-  double nearest = infinity, counted = infinity;
-  for (auto e = first; e < last; ++e) {
+  for (auto e = edge_start_[static_cast<std::size_t>(k)]; e < edge_start_[static_cast<std::size_t>(k) + 1];
+       ++e) {
     const Vector3 from = in_space(edge_[e].from), along = in_space(edge_[e].to) - from;
     const Vector3 place = from + std::clamp((foot - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
-    const double away = (foot - place).norm();
-    nearest = std::min(nearest, away);
-    if (away < counted && counts(edge_[e].sharp, middle + place)) counted = away;
+    visit(edge_[e], (foot - place).norm(), middle + place);
   }
+}
+
+template <class Counts>
+double BodySurface3d::within(int k, const Vector3& x, const Counts& counts) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double nearest = infinity, counted = infinity;
+  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
+    nearest = std::min(nearest, away);
+    if (away < counted && counts(edge.sharp, place)) counted = away;
+  });
   if (holds(k, x)) return counted;
   return counted <= nearest ? -counted : infinity;
 }

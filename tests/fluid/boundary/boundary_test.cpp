@@ -188,9 +188,38 @@ TEST(BodySurface2d, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
   const auto& run = outline.edges()[0];
   const Eigen::Vector2d start = outline.vertex(run.vertex), end = outline.vertex(run.vertex + run.count);
   const Eigen::Vector2d along = (end - start).normalized(), out(along.y(), -along.x());
+  // It starts at a right angle, and ends at one of 135 degrees, at whose bisector the face ends.
+  const double bisector = 0.4 * std::tan(std::numbers::pi / 8);
   for (const double past : {-0.7, 0.3, 2.0}) {
     EXPECT_NEAR(outline.within(0, start + past * l0 * along + 0.4 * l0 * out), past * l0, 1e-12);
-    EXPECT_NEAR(outline.within(0, end - past * l0 * along + 0.4 * l0 * out), past * l0, 1e-12);
+    EXPECT_NEAR(outline.within(0, end - past * l0 * along + 0.4 * l0 * out), (past + bisector) * l0, 1e-12);
+  }
+}
+
+// Water before a blunt corner has the nearer face, before a sharp one it may have none.
+TEST(BodySurface2d, APlaceBeforeABluntCornerLiesOverOneFace) {
+  for (const double angle : {60.0, 90.0, 110.0, 160.0, 172.0, 200.0}) {
+    const BodySurface2d outline(polygon(with_corner(angle)), l0);
+    const auto& left = outline.edges()[4];  // it ends at the corner, where edge 0 begins
+    ASSERT_EQ(left.next, 0);
+    const Eigen::Vector2d apex = outline.vertex(0);
+    const Eigen::Vector2d right = (outline.vertex(1) - apex).normalized();
+    const double half = 0.5 * angle * std::numbers::pi / 180;
+    for (int k = -9; k <= 9; ++k) {  // straight down, and up to 0.9 of the way to the faces
+      const double turn = 0.1 * k * (std::numbers::pi - half);
+      const Eigen::Vector2d place = apex + 0.4 * l0 * Eigen::Vector2d(std::sin(turn), -std::cos(turn));
+      const bool on_right = outline.within(0, place) >= 0, on_left = outline.within(4, place) >= 0;
+      if (angle > 180) {
+        EXPECT_TRUE(on_right || on_left);
+      } else if (angle > 91 && k != 0) {
+        EXPECT_EQ(on_right, k > 0) << angle << ' ' << k;
+        EXPECT_EQ(on_left, k < 0) << angle << ' ' << k;
+      } else if (angle < 91) {
+        EXPECT_EQ(on_right, (place - apex).dot(right) >= 0) << angle << ' ' << k;
+      }
+    }
+    // Over the face itself the distance from its end is as before.
+    EXPECT_NEAR(outline.within(0, apex + 0.7 * l0 * right), 0.7 * l0, 1e-12) << angle;
   }
 }
 

@@ -193,6 +193,23 @@ TEST(BodySurface3d, HowFarAPlaceLiesInsideAFaceIsCountedFromItsNearestEdge) {
   }
 }
 
+// A wedge of 30 degrees, its keel along z. Places under the keel, turned by less than 30 degrees from the
+// vertical, lie past both faces.
+TEST(BodySurface3d, APlaceBeforeABluntEdgeLiesOverOneFace) {
+  const auto corner =
+      structure::wedge_polygon({.deadrise = std::numbers::pi / 6, .width = 0.2, .height = 0.12});
+  const BodySurface3d wedge(structure::prism_surface(structure::outline(corner, l0), 0.1, 0, l0), l0, reach);
+  const Vector3d right = Vector3d(0.5, -std::sqrt(0.75), 0), left(-right.x(), right.y(), 0);
+  for (const double z : {-0.04, 0.0, 0.031})
+    for (const double turn : {-0.5, -0.2, -0.01, 0.01, 0.2, 0.5}) {
+      const Vector3d keel(0, 0, z), place = keel + 0.4 * l0 * Vector3d(std::sin(turn), -std::cos(turn), 0);
+      EXPECT_EQ(wedge.faces(wet_point(wedge, right, keel), place), turn > 0) << z << ' ' << turn;
+      EXPECT_EQ(wedge.faces(wet_point(wedge, left, keel), place), turn < 0) << z << ' ' << turn;
+    }
+  // Past the sharp edges of the ends no face begins.
+  EXPECT_FALSE(wedge.faces(wet_point(wedge, right, {0, 0, 0.05}), {0.001, -0.4 * l0, 0.05 + 0.1 * l0}));
+}
+
 TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {
   const BodySurface3d body = box_body();
   const Vector3d down(0, -1, 0);
