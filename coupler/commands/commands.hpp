@@ -1,7 +1,6 @@
 #pragma once
 
-#include "coupler/import/import_options.hpp"
-#include "coupler/new_case/new_options.hpp"
+#include "coupler/new_case/questions.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
 
@@ -61,6 +60,10 @@ ExitCode new_case(NewOptions);
 /// Error(command_line) if a file of that name exists: no case file is replaced.
 void refuse_existing(const std::filesystem::path& file);
 
+struct ImportOptions {
+  std::filesystem::path configuration;  // precice-config.xml
+  std::filesystem::path out;            // the case file; empty: <stem of the configuration>.toml
+};
 /// Writes a case file from a preCICE configuration, with what is left out and what is left to do. Replaces no
 /// file.
 ExitCode import_case(const ImportOptions&);
@@ -163,5 +166,18 @@ ExitCode study_command(const StudyOptions&, const StopRequest&);
 /// Converts an exception that our code did not throw. If the system refused an operation on a file it is exit
 /// 6, else a bug of ours at that place (exit 70).
 Error error_of(const std::exception&, const std::string& where);
+
+}  // namespace strake
+
+namespace strake {
+
+struct RunOptions;
+struct PictureOptions;
+
+/// Declares options that several commands have: --set, those of a run, those of a picture. out: help of its
+/// -o.
+void add_sets(CLI::App& command, std::vector<std::string>& sets);
+CLI::App* add_run_options(CLI::App* command, RunOptions&);
+void add_picture_options(CLI::App* command, PictureOptions&, const std::string& out);
 
 }  // namespace strake
