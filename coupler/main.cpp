@@ -114,7 +114,7 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
                       "write shape, cells, particles, supports and wet surface of the structure as an .svg");
   command->add_flag("--all", options.all, "also print every value and where it came from");
   command->add_flag("--patient", options.patient,
-                    "no deadline but death, for debuggers");
+                    "wait without limit for a program that lives, for debuggers");
   command->callback([&] {
     action = [&] {
       options.case_file = find_case(options.case_file);

@@ -24,7 +24,7 @@ struct RunOptions {
   std::vector<std::string> sets;
   RunFolderOptions folder;
   std::vector<std::string> by_hand;  // sides that the user starts: "fluid", "structure"
-  bool patient = false;              // no deadline but death
+  bool patient = false;              // waits without limit for a program that lives
   bool strict = false;               // exit 1 when a compare block fails or an alarm was raised
   bool quiet = false, json = false;
   bool trace = true;     // write trace.json
@@ -126,8 +126,8 @@ struct WatchOptions {
   int port = 0;      // of the page; 0: a free one
   std::string bind = "127.0.0.1";
 };
-/// Shows a running or finished run until it ends, or the reader has enough. Returns the run's own exit code
-/// once it has ended; participant_lost for a run that was killed; done where the reader left first.
+/// Shows a running or finished run until it ends, or the reader leaves. Returns the run's own exit code
+/// once it has ended; participant_lost for a run that was killed; done where the reader left before.
 ExitCode watch_run(const WatchOptions&, const StopRequest&);
 
 /// What `picture` and `film` have in common.

@@ -218,8 +218,8 @@ void WatchedRun::judge() {
   }
   if (!under_way()) {
     set(State::killed,
-        g.window > 0 ? fmt::format("killed after {}: nobody is at it, and no end was recorded", at)
-                     : "killed while it started: nobody is at it, and no end was recorded");
+        g.window > 0 ? fmt::format("killed after {}: no process computes it, and no end was recorded", at)
+                     : "killed while it started: no process computes it, and no end was recorded");
     return;
   }
   const bool any = g.window > 0;

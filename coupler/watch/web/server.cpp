@@ -85,7 +85,7 @@ struct Server::State {
     response.set_header("X-Content-Type-Options", "nosniff");
     if (request.method != "GET" && request.method != "HEAD") {
       response.set_header("Allow", "GET, HEAD");
-      return refuse(response, 405, "this server only shows: GET and HEAD are all it knows");
+      return refuse(response, 405, "this server takes GET and HEAD only");
     }
     if (!host_is_ours(request.get_header_value("Host"), options.bind, port))
       return refuse(response, 403,
