@@ -1,5 +1,4 @@
 #include "coupler/import/import_parts.hpp"
-
 #include "proto/text.hpp"
 
 #include <fmt/format.h>
