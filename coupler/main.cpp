@@ -1,9 +1,8 @@
 // strake: the commands, their options, and the one place where errors are printed.
 #include "coupler/case/find_case.hpp"
 #include "coupler/commands/commands.hpp"
-#include "coupler/commands/shared_options.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/new_case/new_options.hpp"
+#include "coupler/new_case/questions.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/error.hpp"
 #include "proto/version.hpp"
@@ -114,7 +113,8 @@ void add_check(CLI::App& app, strake::CheckOptions& options, const StopRequest& 
   command->add_option("--picture", options.picture,
                       "write shape, cells, particles, supports and wet surface of the structure as an .svg");
   command->add_flag("--all", options.all, "also print every value and where it came from");
-  command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
+  command->add_flag("--patient", options.patient,
+                    "wait without limit for a program that lives, for debuggers");
   command->callback([&] {
     action = [&] {
       options.case_file = find_case(options.case_file);
@@ -143,7 +143,9 @@ void add_new(CLI::App& app, strake::NewOptions& options, Action& action) {
 
 void add_import(CLI::App& app, strake::ImportOptions& options, Action& action) {
   CLI::App* command = app.add_subcommand("import", "write a case file from a preCICE configuration");
-  strake::add_import_options(*command, options);
+  command->add_option("FILE", options.configuration, "precice-config.xml of two participants")->required();
+  command->add_option("-o", options.out, "the case file, default the configuration's name with .toml")
+      ->type_name("FILE");
   command->callback([&] { action = [&] { return strake::import_case(options); }; });
 }
 

@@ -1,6 +1,5 @@
-#include "fluid/rank_size.hpp"
-
 #include "fluid/particles/state.hpp"
+#include "fluid/size.hpp"
 
 #include <Eigen/Core>
 

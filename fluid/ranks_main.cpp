@@ -1,5 +1,4 @@
-#include "coupler/participant/ranks_main.hpp"
-
+#include "coupler/participant/start_ranks.hpp"
 #include "fluid/program.hpp"
 #include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"

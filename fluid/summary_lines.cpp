@@ -1,10 +1,10 @@
 #include "fluid/boundary/fill.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/pressure_solver/poisson_solver.hpp"
-#include "fluid/rank_size.hpp"
 #include "fluid/simulation/simulation.hpp"
+#include "fluid/size.hpp"
 #include "fluid/viscosity/turbulence.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 

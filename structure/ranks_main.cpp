@@ -1,5 +1,4 @@
-#include "coupler/participant/ranks_main.hpp"
-
+#include "coupler/participant/start_ranks.hpp"
 #include "structure/program.hpp"
 
 // strake-structure-<kind>-ranks is one rank of a structure on several. strake-structure-<kind> starts it by

@@ -1,8 +1,7 @@
 #include "coupler/acceleration/accelerator.hpp"
 
 #include "coupler/acceleration/aitken.hpp"
-#include "coupler/acceleration/iqn_ils.hpp"
-#include "coupler/acceleration/iqn_imvj.hpp"
+#include "coupler/acceleration/quasi_newton.hpp"
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"
 

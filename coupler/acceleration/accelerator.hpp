@@ -1,7 +1,7 @@
 #pragma once
 
-#include "coupler/acceleration/low_rank.hpp"
 #include "coupler/acceleration/secants.hpp"
+#include "coupler/acceleration/shared_columns.hpp"
 #include "proto/interface.hpp"
 
 #include <Eigen/Core>

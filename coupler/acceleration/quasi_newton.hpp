@@ -32,4 +32,37 @@ class QuasiNewton : public Accelerator {
   void weigh(const Eigen::VectorXd& residual);
 };
 
+/// Interface quasi-Newton with an inverse Jacobian from least squares (Degroote, Bathe & Vierendeels 2009).
+/// The columns of a window are reused in the next ones.
+///
+/// H has kinks where a pressure comes to zero, since water cannot pull. Columns from the other side of a kink
+/// mislead. The sign is a step after which the residual is larger than the window's first, and larger than
+/// any linear map could make it. Columns of earlier windows are then removed. In as many windows as would be
+/// reused
+///   none are reused;
+///   only columns that are far from the newer ones are used beside them;
+///   half of the unexplained residual r_k + ΔR α is added: in an unknown direction whose added mass is
+///   μ times its own mass the full step would be μ times too long.
+class IqnIls : public QuasiNewton {
+ public:
+  using QuasiNewton::QuasiNewton;
+  void start_window() override;
+
+ protected:
+  void learn(const Eigen::VectorXd& residual, const Eigen::VectorXd& image) override;
+};
+
+/// Interface quasi-Newton with an inverse Jacobian that is carried from window to window (multi-vector
+/// Jacobian). Sources: Bogaers, Kok, Reddy & Franz 2014; Lindner, Mehl, Scheufele & Uekermann 2015. J maps a
+/// change of the residual to a change of H; at its end a window's secants correct J by the smallest change:
+///   J_(n+1) = J_n + (ΔH − J_n ΔR) ΔR⁺
+/// J is stored as L Zᵀ, to which a window adds its columns. At more than `max_columns` it is replaced by its
+/// truncated singular-value decomposition with half as many at most (RS-SVD of Scheufele & Mehl 2017). So
+/// memory and work per column stay O(columns·n).
+class IqnImvj : public QuasiNewton {
+ public:
+  using QuasiNewton::QuasiNewton;
+  void start_window() override;
+};
+
 }  // namespace strake

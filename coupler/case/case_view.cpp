@@ -1,8 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
-#include "coupler/case/attached_programs.hpp"
-#include "coupler/case/precice_names.hpp"
-#include "coupler/case/sides_by_hand.hpp"
+#include "coupler/case/side_programs.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"

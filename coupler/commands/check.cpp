@@ -26,7 +26,7 @@ void print_properties(const CaseView& view, const SideView& body, const StopRequ
   for (const std::string solver : {"fem", "particle", "rigid"}) try {
       rows += ask_solver(view, body, solver, "--properties", &stop).value_or("");
     } catch (const Error& error) {
-      if (solver == "rigid" || body.solver == "rigid") continue;  // no third and second opinion then
+      if (solver == "rigid" || body.solver == "rigid") continue;  // the other rows say it, or there are none
       // The line, and from below it what was expected there.
       const std::string words = error.problem(), expected = "^ expected ";
       std::string why = words.substr(0, words.find('\n'));

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "coupler/import/import_options.hpp"
-#include "coupler/new_case/new_options.hpp"
+#include "coupler/new_case/questions.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
 
@@ -25,7 +24,7 @@ struct RunOptions {
   std::vector<std::string> sets;
   RunFolderOptions folder;
   std::vector<std::string> by_hand;  // sides that the user starts: "fluid", "structure"
-  bool patient = false;              // no deadline but death
+  bool patient = false;              // waits without limit for a program that lives
   bool strict = false;               // exit 1 when a compare block fails or an alarm was raised
   bool quiet = false, json = false;
   bool trace = true;     // write trace.json
@@ -61,6 +60,10 @@ ExitCode new_case(NewOptions);
 /// Error(command_line) if a file of that name exists: no case file is replaced.
 void refuse_existing(const std::filesystem::path& file);
 
+struct ImportOptions {
+  std::filesystem::path configuration;  // precice-config.xml
+  std::filesystem::path out;            // the case file; empty: <stem of the configuration>.toml
+};
 /// Writes a case file from a preCICE configuration, with what is left out and what is left to do. Replaces no
 /// file.
 ExitCode import_case(const ImportOptions&);
@@ -123,8 +126,8 @@ struct WatchOptions {
   int port = 0;      // of the page; 0: a free one
   std::string bind = "127.0.0.1";
 };
-/// Shows a running or finished run until it ends, or the reader has enough. Returns the run's own exit code
-/// once it has ended; participant_lost for a run that was killed; done where the reader left first.
+/// Shows a running or finished run until it ends, or the reader leaves. Returns the run's own exit code
+/// once it has ended; participant_lost for a run that was killed; done where the reader left before.
 ExitCode watch_run(const WatchOptions&, const StopRequest&);
 
 /// What `picture` and `film` have in common.
@@ -163,5 +166,18 @@ ExitCode study_command(const StudyOptions&, const StopRequest&);
 /// Converts an exception that our code did not throw. If the system refused an operation on a file it is exit
 /// 6, else a bug of ours at that place (exit 70).
 Error error_of(const std::exception&, const std::string& where);
+
+}  // namespace strake
+
+namespace strake {
+
+struct RunOptions;
+struct PictureOptions;
+
+/// Declares options that several commands have: --set, those of a run, those of a picture. out: help of its
+/// -o.
+void add_sets(CLI::App& command, std::vector<std::string>& sets);
+CLI::App* add_run_options(CLI::App* command, RunOptions&);
+void add_picture_options(CLI::App* command, PictureOptions&, const std::string& out);
 
 }  // namespace strake

@@ -7,12 +7,12 @@
 #include "coupler/console/console.hpp"
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -29,17 +29,15 @@ struct Limit {
 
 Limit read_limit(const std::string& text) {
   const auto equals = text.find('=');
-  Limit limit = {text.substr(0, equals), 0};
   const std::string number = equals == std::string::npos ? "" : text.substr(equals + 1);
-  const char* last = number.data() + number.size();
-  const auto [end, error] = std::from_chars(number.data(), last, limit.part);
+  const Limit limit = {text.substr(0, equals), number_from<double>(number).value_or(-1)};
   const auto& known = record_metrics();
   if (std::find(known.begin(), known.end(), limit.metric) == known.end()) {
     const std::string near = did_you_mean(limit.metric, known);
     throw Error(ExitCode::command_line, "--within " + text, "\"" + limit.metric + "\" is no metric",
                 near.empty() ? fmt::format("one of {}", joined(known)) : "did you mean " + near + "?");
   }
-  if (error != std::errc() || end != last || !(limit.part >= 0) || !std::isfinite(limit.part))
+  if (!(limit.part >= 0) || !std::isfinite(limit.part))
     throw Error(ExitCode::command_line, "--within " + text, "gives no limit",
                 "METRIC=PART, e.g. --within first_peak=0.05 for 5 %");
   return limit;

@@ -3,7 +3,7 @@
 #include "coupler/compare/compare.hpp"
 #include "coupler/compare/comparison.hpp"
 #include "coupler/plot/canvas.hpp"
-#include "coupler/plot/chart.hpp"
+#include "coupler/plot/plot.hpp"
 #include "proto/case/case_keys.hpp"
 
 #include <filesystem>

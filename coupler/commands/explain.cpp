@@ -1,7 +1,6 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/editor/declarations.hpp"
-#include "coupler/editor/schema.hpp"
 #include "proto/error.hpp"
 #include "proto/visible.hpp"
 

@@ -1,8 +1,7 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/editor/completion.hpp"
+#include "coupler/editor/command_line.hpp"
 #include "coupler/editor/declarations.hpp"
-#include "coupler/editor/man_page.hpp"
 #include "coupler/participant/case/participant_options.hpp"
 #include "proto/files/whole_file.hpp"
 

@@ -1,6 +1,6 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/import/case_text.hpp"
+#include "coupler/import/imported_run.hpp"
 #include "proto/files/whole_file.hpp"
 #include "proto/visible.hpp"
 

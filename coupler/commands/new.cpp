@@ -1,10 +1,10 @@
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/new_case/case_lines.hpp"
-#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/questions.hpp"
+#include "coupler/new_case/scenes.hpp"
 #include "proto/files/whole_file.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,3 @@
-#include "coupler/commands/shared_options.hpp"
-
 #include "coupler/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -37,7 +35,8 @@ CLI::App* add_run_options(CLI::App* command, RunOptions& options) {
           "line is "
           "printed")
       ->type_name("fluid|structure|both");
-  command->add_flag("--patient", options.patient, "no deadline but death, for debuggers");
+  command->add_flag("--patient", options.patient,
+                    "wait without limit for a program that lives, for debuggers");
   command->add_flag("--strict", options.strict, "exit 1 when a compare block fails, or an alarm was raised");
   command->add_flag("--profile", options.profile, "say at the end where the time went");
   command->add_flag("!--no-trace", options.trace, "write no trace.json");

@@ -28,7 +28,7 @@ constexpr auto terminal_interval = 500ms;
 constexpr auto pipe_refresh = 500ms;
 constexpr auto pipe_interval = 5s;  // between two lines
 
-/// A terminal whose screen is ours, as it was before once this is gone.
+/// Takes the whole screen of a terminal, and gives it back as it was when it is destroyed.
 class WholeScreen {
  public:
   WholeScreen() {

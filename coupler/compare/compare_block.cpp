@@ -1,7 +1,8 @@
 #include "coupler/compare/compare_block.hpp"
 
+#include "proto/text.hpp"
+
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace strake {
@@ -20,11 +21,7 @@ std::string trimmed(std::string text) {
 }
 
 std::optional<double> as_number(const std::string& text) {
-  const std::string bare = !text.empty() && text.front() == '+' ? text.substr(1) : text;
-  double value = 0;
-  const auto [end, error] = std::from_chars(bare.data(), bare.data() + bare.size(), value);
-  if (bare.empty() || error != std::errc() || end != bare.data() + bare.size()) return std::nullopt;
-  return value;
+  return number_from<double>(text.starts_with('+') ? text.substr(1) : text);
 }
 
 /// The items of "[a, b, c]"; none for anything else.

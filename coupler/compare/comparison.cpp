@@ -1,11 +1,11 @@
 #include "coupler/compare/comparison.hpp"
 
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 
@@ -83,12 +83,11 @@ double shift_onto(const Record& first, const Record& other, const std::string& h
                   "give --shift a time in s, or `contact`");
     return one->time - two->time;
   }
-  double seconds = 0;
-  const auto [end, error] = std::from_chars(how.data(), how.data() + how.size(), seconds);
-  if (error != std::errc() || end != how.data() + how.size() || !std::isfinite(seconds))
+  const auto seconds = number_from<double>(how);
+  if (!seconds || !std::isfinite(*seconds))
     throw Error(ExitCode::command_line, "--shift " + how, "is no time",
                 "a number of seconds, `contact` or `peak`");
-  return seconds;
+  return *seconds;
 }
 
 bool is_value_of_curve(const std::string& metric) {

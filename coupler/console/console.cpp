@@ -1,7 +1,7 @@
 #include "coupler/console/console.hpp"
 
 #include "coupler/timing/profile.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

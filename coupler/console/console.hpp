@@ -66,8 +66,8 @@ class Reporter {
   /// An answer is awaited, several times a second; elapsed: [s] since the run began.
   virtual void wait(const Awaited&, double /*elapsed*/) {}
   virtual void verdict(const Verdict&) = 0;
-  virtual void note(const std::string& line) = 0;   // what has happened
-  virtual void alarm(const std::string& line) = 0;  // a value that the case cannot have (summary/alarms.hpp)
+  virtual void note(const std::string& line) = 0;     // what has happened
+  virtual void alarm(const std::string& line) = 0;    // a value that the case cannot have (summary/notes.hpp)
   virtual void warning(const std::string& line) = 0;  // notes for the user: facts to know, or steps to take
   virtual void error(const Error&) {}                 // that ends the run; main prints it
   virtual void end(const RunEnd&) = 0;

@@ -1,9 +1,9 @@
 #include "coupler/console/console.hpp"
 #include "coupler/plot/ticks.hpp"
-#include "coupler/summary/check_grades.hpp"
+#include "coupler/summary/notes.hpp"
 #include "coupler/timing/profile.hpp"
 #include "proto/files/json_file.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>

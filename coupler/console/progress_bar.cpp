@@ -1,7 +1,7 @@
 #include "coupler/console/progress_bar.hpp"
 
 #include "coupler/console/console.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 

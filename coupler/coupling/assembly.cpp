@@ -1,6 +1,5 @@
 #include "coupler/coupling/assembly.hpp"
 
-#include "coupler/coupling/body_gaps.hpp"
 #include "proto/lookup.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-#include "coupler/coupling/body_gaps.hpp"
-
+#include "coupler/coupling/assembly.hpp"
 #include "proto/geometry/triangle.hpp"
 
 #include <Eigen/Geometry>

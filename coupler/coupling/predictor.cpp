@@ -1,5 +1,4 @@
-#include "coupler/coupling/predictor.hpp"
-
+#include "coupler/coupling/scheme.hpp"
 #include "proto/interpolation.hpp"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "proto/case/key_info.hpp"
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,5 +31,13 @@ struct ProgramText {
   std::string name;  // "strake-fluid"
   const CLI::App* app = nullptr;
 };
+
+/// Writes the completion of bash for programs. It knows commands, options, choices, case files and run
+/// folders; behind --set also the keys of a case file with their choices.
+std::string bash_completion(const std::vector<ProgramText>& programs, const std::vector<KeyInfo>& keys);
+
+/// Writes the man pages of a program (section 1) from its command line. The program has one, each command
+/// another. A page has its file name ("strake-run.1") and its text in the macros of man(7).
+std::vector<std::pair<std::string, std::string>> man_pages(const ProgramText&);
 
 }  // namespace strake

@@ -1,5 +1,4 @@
-#include "coupler/editor/completion.hpp"
-
+#include "coupler/editor/command_line.hpp"
 #include "coupler/editor/completion_script.hpp"
 #include "proto/version.hpp"
 

@@ -1,5 +1,4 @@
-#include "coupler/editor/man_page.hpp"
-
+#include "coupler/editor/command_line.hpp"
 #include "coupler/editor/declarations.hpp"
 #include "proto/version.hpp"
 

@@ -1,5 +1,3 @@
-#include "coupler/editor/schema.hpp"
-
 #include "coupler/editor/declarations.hpp"
 #include "proto/files/json_file.hpp"
 

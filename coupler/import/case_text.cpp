@@ -1,5 +1,4 @@
-#include "coupler/import/case_text.hpp"
-
+#include "coupler/import/imported_run.hpp"
 #include "coupler/new_case/case_lines.hpp"
 #include "proto/visible.hpp"
 

@@ -1,5 +1,4 @@
-#include "coupler/import/elements.hpp"
-
+#include "coupler/import/import_parts.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>

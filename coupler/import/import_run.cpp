@@ -1,4 +1,3 @@
-#include "coupler/import/elements.hpp"
 #include "coupler/import/import_parts.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
-#include "coupler/import/xml_tree.hpp"
+#include "coupler/import/import_parts.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <system_error>
 
 namespace strake {
@@ -14,14 +14,12 @@ template <class Number>
 Number value_of(const XmlElement& element, const std::string& attribute, Number min, Number max,
                 const char* what) {
   const std::string text = element.text(attribute);
-  Number value{};
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = failure == std::errc() && end == text.data() + text.size();
-  if (!whole || !(value >= min && value <= max))
+  const auto value = number_from<Number>(text);
+  if (!value || !(*value >= min && *value <= max))
     element.refuse(
         fmt::format("{} = \"{}\"", attribute, text),
         fmt::format("{} from {:g} to {:g}", what, static_cast<double>(min), static_cast<double>(max)));
-  return value;
+  return *value;
 }
 
 }  // namespace

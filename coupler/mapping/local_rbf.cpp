@@ -1,5 +1,4 @@
-#include "coupler/mapping/local_rbf.hpp"
-
+#include "coupler/mapping/partition_of_unity.hpp"
 #include "proto/error.hpp"
 
 #include <Eigen/Cholesky>

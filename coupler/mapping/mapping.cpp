@@ -2,7 +2,6 @@
 
 #include "coupler/mapping/mapping_parts.hpp"
 #include "coupler/mapping/point_tree.hpp"
-#include "coupler/mapping/surface_area.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-#include "coupler/mapping/local_rbf.hpp"
 #include "coupler/mapping/mapping.hpp"
 #include "coupler/mapping/mapping_parts.hpp"
 #include "coupler/mapping/partition_of_unity.hpp"

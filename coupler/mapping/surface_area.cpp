@@ -1,5 +1,4 @@
-#include "coupler/mapping/surface_area.hpp"
-
+#include "coupler/mapping/mapping_parts.hpp"
 #include "coupler/mapping/point_tree.hpp"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,5 @@
 #include "coupler/new_case/case_lines.hpp"
 
-#include "coupler/new_case/case_size.hpp"
 #include "coupler/new_case/scenes.hpp"
 #include "proto/visible.hpp"
 

@@ -1,21 +1,49 @@
 // Scene of a rigid body from a mesh file.
+
 #include "coupler/new_case/case_lines.hpp"
-#include "coupler/new_case/case_size.hpp"
-#include "coupler/new_case/mesh_extent.hpp"
-#include "coupler/new_case/rigid_parts.hpp"
 #include "coupler/new_case/scenes.hpp"
 #include "proto/error.hpp"
+#include "proto/mesh_files/mesh_text.hpp"
+#include "proto/mesh_files/stl.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <utility>
+#include <vector>
 
 namespace strake {
 namespace {
+
+/// Smallest and largest coordinates of a mesh's nodes, in the file's unit.
+struct MeshExtent {
+  std::array<double, 3> min = {}, max = {};
+};
+
+/// The nodes of a mesh file, 3×n; an STL file gives the corners of its triangles.
+Points nodes_of(const std::filesystem::path& file) {
+  if (is_stl(file)) return read_stl(file);
+  const MeshText mesh = read_mesh_text(file);
+  Points nodes(3, static_cast<Eigen::Index>(mesh.node.size()));
+  Eigen::Index k = 0;
+  for (const auto& [number, place] : mesh.node)
+    nodes.col(k++) = Eigen::Map<const Eigen::Vector3d>(place.data());
+  return nodes;
+}
+
+MeshExtent read_mesh_extent(const std::filesystem::path& file) {
+  const Points nodes = nodes_of(file);
+  MeshExtent extent;
+  for (std::size_t k = 0; k < 3; ++k) {
+    extent.min[k] = nodes.row(static_cast<Eigen::Index>(k)).minCoeff();
+    extent.max[k] = nodes.row(static_cast<Eigen::Index>(k)).maxCoeff();
+  }
+  if (!is_stl(file) && (!(extent.max[0] > extent.min[0]) || !(extent.max[1] > extent.min[1])))
+    throw Error(ExitCode::case_file, file.string(), "holds no nodes that span an area",
+                "a mesh of Gmsh (.msh, ASCII), Abaqus (.inp) or STL (.stl)");
+  return extent;
+}
 
 /// A tank around a body in space. Walls and floor stand one `narrow` [m] from it, the smaller of its two
 /// widths.

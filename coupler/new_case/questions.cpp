@@ -1,11 +1,12 @@
 #include "coupler/new_case/questions.hpp"
 
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <charconv>
 #include <istream>
 #include <ostream>
 
@@ -22,13 +23,6 @@ std::string answer_line(std::istream& answers) {
   return line;
 }
 
-std::optional<double> read_number(const std::string& text) {
-  double x = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return x;
-}
-
 double ask_number(const NewNumber& number, std::istream& answers, std::ostream& questions) {
   const std::string otherwise = number.follows.empty() ? fmt::format("{:g}", number.value) : number.follows;
   for (;;) {
@@ -36,7 +30,7 @@ double ask_number(const NewNumber& number, std::istream& answers, std::ostream& 
               << std::flush;
     const std::string line = answer_line(answers);
     if (line.empty()) return number.value;
-    const std::optional<double> given = read_number(line);
+    const std::optional<double> given = number_from<double>(line);
     const std::string problem = given ? out_of_bounds(number, *given) : "expected a number, such as 0.5";
     if (problem.empty()) return *given;
     questions << "  " << visible(line) << ": " << problem << "\n";
@@ -83,6 +77,34 @@ NewAnswers ask_answers(const NewKind& kind, std::istream& answers, std::ostream&
   for (const NewNumber& number : kind.numbers)
     given.number[number.name] = ask_number(number, answers, questions);
   return given;
+}
+
+void add_new_options(CLI::App& command, NewOptions& options) {
+  command.require_subcommand(0, 1);
+  command.add_option("-o", options.out, "the case file, default KIND.toml")->type_name("FILE");
+  for (const NewKind& kind : new_kinds()) {
+    CLI::App* one = command.add_subcommand(kind.name, kind.help);
+    one->add_option("-o", options.out, "the case file, default " + kind.name + ".toml")->type_name("FILE");
+    if (kind.mesh)
+      one->add_option("MESH,--mesh", options.answers.mesh, "mesh file")->type_name("FILE")->required();
+    if (kind.mesh)
+      one->add_option("--up", options.answers.up,
+                      "axis of the file that points up, default y; it is turned so")
+          ->check(CLI::IsMember(std::vector<std::string>{"y", "z"}))
+          ->type_name("y|z");
+    if (kind.solvers.size() > 1)
+      one->add_option("--solver", options.answers.solver, "of the body, default " + kind.solvers.front())
+          ->check(CLI::IsMember(kind.solvers))
+          ->type_name(fmt::format("{}", fmt::join(kind.solvers, "|")));
+    for (const NewNumber& number : kind.numbers)
+      one->add_option_function<double>(
+             "--" + number.name,
+             [&options, name = number.name](double x) { options.answers.number[name] = x; },
+             fmt::format("{}; {:g} to {:g}, default {}", number.help, number.min, number.max,
+                         number.follows.empty() ? fmt::format("{:g}", number.value) : number.follows))
+          ->type_name(number.unit);
+    one->callback([&options, &kind] { options.kind = kind.name; });
+  }
 }
 
 }  // namespace strake

@@ -1,6 +1,9 @@
 #pragma once
 
+#include "coupler/new_case/case_lines.hpp"
 #include "coupler/new_case/kinds.hpp"
+
+#include <string>
 
 namespace strake {
 
@@ -27,5 +30,23 @@ double two_digits(double);
 double chosen_spacing(const NewAnswers&, const std::string& name, double length, double parts);
 /// The same with a default that is known already [m].
 double chosen_spacing_or(double otherwise, const NewAnswers&, const std::string& name, double length);
+
+// Air between body and water at the start [spacing]: no time is lost in free fall.
+constexpr double rigid_gap = 0.6;
+
+/// A tank around a body `width` wide: wide enough that its walls add some per cent to the force.
+void put_wide_tank(NewScene&, double width, double depth, double above);
+/// [structure] of a rigid body that moves down: driven, or free to heave with a mass.
+CaseLines rigid_body(const NewAnswers&, int dimension);
+/// Says how the body moves: "driven into still water at 5 m/s".
+std::string motion_words(const NewAnswers&);
+
+/// Particles of water and walls that a scene has, about.
+double particles_of(const NewScene&);
+/// Spacing [m] of two digits with which a scene in space has about 100 000 particles. Reads the lengths of
+/// tank and water alone.
+double spacing_in_space(const NewScene&);
+/// Says what half the spacing costs: "7.2 times the particles, 14 times the time".
+std::string cost_of_half(const NewScene&);
 
 }  // namespace strake

@@ -12,7 +12,7 @@ wide="strake-fluid"
 # shellcheck disable=SC2086
 strake_install $strake_packages_build $strake_packages_manual $strake_packages_package
 strake_make programs
-# The solvers that gain from wider vectors (README.md) once more, for processors with AVX2 and FMA: wide_program.hpp.
+# The solvers that gain from wider vectors (README.md) once more, for processors with AVX2 and FMA: wide_program.cpp.
 (
   export STRAKE_BUILD="$strake_build/wide"
   STRAKE_CMAKE_OPTIONS="-DSTRAKE_NATIVE=OFF -DSTRAKE_TESTS=OFF -DCMAKE_SKIP_RPATH=ON -DCMAKE_CXX_FLAGS=-march=x86-64-v3"

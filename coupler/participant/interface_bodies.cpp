@@ -1,5 +1,3 @@
-#include "coupler/participant/interface_bodies.hpp"
-
 #include "coupler/participant/interface_record.hpp"
 #include "proto/error.hpp"
 

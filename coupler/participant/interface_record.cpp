@@ -1,6 +1,5 @@
 #include "coupler/participant/interface_record.hpp"
 
-#include "coupler/participant/interface_bodies.hpp"
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"

@@ -72,4 +72,8 @@ class InterfaceRecorder {
 /// it has no motion and force to replay.
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder);
 
+/// Where each of several bodies begins in a recorded interface ("body.left": first point, first face), in
+/// order; none for one structure.
+std::vector<MeshPart> parts_in(const Archive&);
+
 }  // namespace strake

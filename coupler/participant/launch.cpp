@@ -1,7 +1,6 @@
 #include "coupler/participant/launch.hpp"
 
 #include "coupler/participant/stop_request.hpp"
-#include "coupler/participant/wide_program.hpp"
 #include "proto/descriptor.hpp"
 #include "proto/error.hpp"
 

@@ -1,6 +1,6 @@
 #include "coupler/participant/liveness_thread.hpp"
 
-#include "proto/files/unfinished_file.hpp"
+#include "proto/files/whole_file.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

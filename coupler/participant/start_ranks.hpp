@@ -1,8 +1,10 @@
 #pragma once
 
 #include "coupler/participant/participant_main.hpp"
+#include "proto/ranks/communicator.hpp"
 
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace strake {
@@ -25,5 +27,10 @@ int start_ranks(int argc, char** argv, const RankedProgram&);
 
 /// The main of such a program: start_ranks, then participant_main.
 int main_or_ranks(int argc, char** argv, const RankedProgram&);
+
+/// The main of one rank, which a launcher has started. `build` makes the participant of a rank;
+/// `program.declare` has run before.
+int ranks_main(int argc, char** argv, const RankedProgram&,
+               const std::function<std::unique_ptr<Participant>(const Setup&, Communicator&)>& build);
 
 }  // namespace strake

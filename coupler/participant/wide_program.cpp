@@ -1,4 +1,4 @@
-#include "coupler/participant/wide_program.hpp"
+#include "coupler/participant/launch.hpp"
 
 #include <cstdlib>
 #include <string>

@@ -1,7 +1,6 @@
-#include "coupler/plot/attached_lines.hpp"
-
 #include "coupler/attachments/catenary.hpp"
 #include "coupler/case/case_view.hpp"
+#include "coupler/plot/scene.hpp"
 #include "proto/lookup.hpp"
 
 #include <cstdlib>

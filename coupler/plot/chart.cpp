@@ -1,5 +1,3 @@
-#include "coupler/plot/chart.hpp"
-
 #include "coupler/plot/canvas.hpp"
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/plot.hpp"

@@ -1,7 +1,6 @@
 #include "coupler/plot/scene.hpp"
 
 #include "coupler/case/case_view.hpp"
-#include "coupler/plot/attached_lines.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/files/json_file.hpp"

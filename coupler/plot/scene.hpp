@@ -107,4 +107,9 @@ Range shown_range(std::vector<double> values);
 /// intersection.
 std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at);
 
+/// Springs and mooring lines of a body at one instant: places along each, 3×n [m], the anchor first. keys: of
+/// case.toml, by full names. body: of several, its name.
+std::vector<Points> attached_lines(const std::map<std::string, std::string>& keys, const Frame& structure,
+                                   const std::string& body);
+
 }  // namespace strake::picture

@@ -1,7 +1,7 @@
 // The functions for C. Names and texts end with a zero.
 
+#include "coupler/precice/guarded_call.hpp"
 #include "coupler/precice/only_participant.hpp"
-#include "coupler/precice/version.hpp"
 
 #include <precice/preciceC.h>
 

@@ -1,6 +1,6 @@
 // The functions for Fortran: those for C, with arguments by reference and texts that end with blanks.
 
-#include "coupler/precice/version.hpp"
+#include "coupler/precice/guarded_call.hpp"
 
 #include <precice/preciceC.h>
 #include <precice/preciceFortran.hpp>

@@ -4,6 +4,8 @@
 #include "proto/error.hpp"
 
 #include <precice/Exceptions.hpp>
+#include <precice/Version.h>
+#include <precice/span.hpp>
 
 #include <exception>
 #include <memory>
@@ -54,5 +56,26 @@ auto guarded_call(const char* function, SolverRun* run, Call&& call) -> decltype
 [[noreturn]] inline void refuse_function(const std::string& reason, const std::string& fix) {
   throw Error(ExitCode::solver_fault, "not supported", reason, fix);
 }
+
+// What preCICE's functions demand of the moment when they are called, and of the names they are called with.
+// Each throws Error(solver_fault) where that is not so.
+
+void not_finished(const SolverRun&);
+void before_initialize(const SolverRun&);
+void initialized(const SolverRun&);  // and not finished
+void in_coupling(const SolverRun&);  // initialized, and the run goes on
+
+/// A mesh that the participant provides or receives.
+const PreciceConfig::Mesh& used_mesh(const SolverRun&, const std::string& name);
+/// Data that the mesh may hold.
+const PreciceConfig::Data& data_of_mesh(const SolverRun&, const PreciceConfig::Mesh&,
+                                        const std::string& name);
+
+/// A text without the zeros at its end that a literal may bring along.
+std::string text_of(::precice::span<const char>);
+
+/// What getVersionInformation() says: "version;revision;features".
+inline constexpr char precice_version[] =
+    PRECICE_VERSION "-strake;revision=strake " STRAKE_VERSION ";MPI:OFF;PETSC:OFF;PYTHON:OFF";
 
 }  // namespace strake

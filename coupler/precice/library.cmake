@@ -7,12 +7,11 @@ set(STRAKE_PRECICE_VERSION 3.4.1)   # whose functions it has, as include/precice
 # What the configuration says: for the library, and for solvers of Strake in a preCICE run.
 strake_library(strake_precice_config INSTALLED SOURCES ${precice}/config/quantities.cpp
   ${precice}/config/precice_config.cpp ${precice}/config/xml_elements.cpp LINK strake_proto fmt::fmt EXPAT::EXPAT)
-strake_library(strake_precice_parts INSTALLED SOURCES ${precice}/exchanged_data.cpp ${precice}/waveform.cpp
-  ${precice}/solver_mesh.cpp ${precice}/sections.cpp
+strake_library(strake_precice_parts INSTALLED SOURCES ${precice}/exchanged_data.cpp ${precice}/solver_mesh.cpp
   LINK strake_precice_config strake_coupling_link)
 add_library(strake_precice SHARED ${precice}/participant.cpp ${precice}/participant_mesh.cpp
   ${precice}/participant_data.cpp ${precice}/tooling.cpp ${precice}/bindings_c.cpp ${precice}/bindings_fortran.cpp
-  ${precice}/only_participant.cpp ${precice}/call_order.cpp ${precice}/solver_run.cpp ${precice}/environment.cpp)
+  ${precice}/only_participant.cpp ${precice}/solver_run.cpp)
 target_include_directories(strake_precice PRIVATE ${PROJECT_SOURCE_DIR} ${precice}/include)
 target_compile_definitions(strake_precice PRIVATE STRAKE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(strake_precice PRIVATE strake_precice_parts strake_warnings)

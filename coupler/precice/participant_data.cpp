@@ -1,6 +1,5 @@
 // precice::Participant: data on the mesh.
 
-#include "coupler/precice/call_order.hpp"
 #include "coupler/precice/guarded_call.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // precice::Participant: the mesh, point by point and face by face.
 
-#include "coupler/precice/call_order.hpp"
 #include "coupler/precice/guarded_call.hpp"
 
 #include <fmt/format.h>

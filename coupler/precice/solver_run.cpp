@@ -1,10 +1,11 @@
 #include "coupler/precice/solver_run.hpp"
 
 #include "coupler/participant/launch.hpp"
-#include "coupler/precice/environment.hpp"
+#include "proto/error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <precice/Version.h>
 
 #include <algorithm>
 #include <cmath>
@@ -343,6 +344,48 @@ void SolverRun::finish(const std::string& why) {
   }
   ongoing_ = false;
   conversation_.reset();  // what was sent leaves first
+}
+
+void Sections::start(std::string name) {
+  open_.emplace_back(std::move(name), Clock::now());
+}
+
+void Sections::stop() {
+  if (open_.empty())
+    throw Error(ExitCode::solver_fault, "sections", "none is open", "startProfilingSection() opens one");
+  const auto& [name, since] = open_.back();
+  seconds_["seconds." + name] += std::chrono::duration<double>(Clock::now() - since).count();
+  open_.pop_back();
+}
+
+std::map<std::string, double> Sections::seconds() const {
+  return seconds_;
+}
+
+namespace {
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  if (value && *value) return value;
+  throw Error(ExitCode::command_line, name,
+              "is not in the environment: this libprecice takes part in runs of Strake alone",
+              "start the solver by strake run, or as run.json says under start_by_hand;\n"
+              "for a run of preCICE use its own library: look at LD_LIBRARY_PATH");
+}
+
+}  // namespace
+
+ServeOptions connection_of_environment() {
+  ServeOptions options{.endpoint = variable("STRAKE_CONNECT"),
+                       .name = variable("STRAKE_NAME"),
+                       .token = variable("STRAKE_TOKEN"),
+                       .solver = "precice",
+                       .version = PRECICE_VERSION};
+  const std::string hash = bytes_of(variable("STRAKE_CASE_HASH"));
+  if (hash.size() != options.case_hash.size())
+    throw Error(ExitCode::command_line, "STRAKE_CASE_HASH", "is no SHA-256: expected 64 hexadecimal digits");
+  std::copy(hash.begin(), hash.end(), options.case_hash.begin());
+  return options;
 }
 
 }  // namespace strake

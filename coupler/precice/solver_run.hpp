@@ -1,18 +1,36 @@
 #pragma once
 
 #include "coupler/participant/conversation.hpp"
+#include "coupler/participant/serve.hpp"
 #include "coupler/precice/config/precice_config.hpp"
 #include "coupler/precice/exchanged_data.hpp"
-#include "coupler/precice/sections.hpp"
 #include "coupler/precice/solver_mesh.hpp"
 #include "proto/error.hpp"
 
+#include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace strake {
+
+/// Wall-clock time of sections that a solver names. They may lie in one another.
+class Sections {
+ public:
+  void start(std::string name);
+  /// Ends the one that was started last. Error(solver_fault) if none is open.
+  void stop();
+  /// Seconds so far under the names "seconds.<section>", of sections that have ended.
+  std::map<std::string, double> seconds() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::vector<std::pair<std::string, Clock::time_point>> open_;
+  std::map<std::string, double> seconds_;
+};
 
 /// Tests what would keep a participant from taking part: its name, its meshes, its number of processes.
 /// Error(case_file) with the file, or Error(command_line).
@@ -100,5 +118,10 @@ class SolverRun {
   std::vector<Sample> history_;  // what was written inside the window
   std::optional<Error> noted_;
 };
+
+/// How to reach the coupler, from the environment of a program that Strake starts: STRAKE_CONNECT,
+/// STRAKE_NAME, STRAKE_CASE_HASH, STRAKE_TOKEN (proto/WIRE.md). Error(command_line) if one is missing or
+/// cannot be.
+ServeOptions connection_of_environment();
 
 }  // namespace strake

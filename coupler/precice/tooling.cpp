@@ -1,7 +1,6 @@
 // Functions of preCICE that need no run.
 
 #include "coupler/precice/guarded_call.hpp"
-#include "coupler/precice/version.hpp"
 
 #include <precice/Tooling.hpp>
 

@@ -1,8 +1,6 @@
 #pragma once
 
 #include "coupler/processes/remote.hpp"
-#include "coupler/processes/stopped_ranks.hpp"
-#include "coupler/processes/stranger_log.hpp"
 #include "coupler/transport/sockets.hpp"
 #include "proto/wire/wire.hpp"
 
@@ -12,7 +10,50 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <sys/types.h>
 #include <vector>
+
+namespace strake {
+
+/// Counts what strangers did at the port, for console and log. Each kind is reported when it first happens,
+/// then its number at growing intervals. A flood makes lines, and does not fill a disk.
+class StrangerLog {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Lines that are due now.
+  std::vector<std::string> note(const std::string& what, int times, Clock::time_point now);
+  std::vector<std::string> due(Clock::time_point now);
+
+ private:
+  struct Kind {
+    int untold = 0;
+    Clock::time_point told;
+    Clock::duration quiet;  // until the next line
+  };
+  std::map<std::string, Kind> kinds_;
+};
+
+/// Text of a stranger for a log: one line, without control characters (`visible`), of its first 200 bytes.
+std::string harmless(const std::string&);
+
+/// Finds a rank that is stopped by a signal before the first Hello. All others wait for it in the start of
+/// MPI. Later the ranks watch one another (proto/ranks/rank_watch.hpp).
+class StoppedRanks {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Looks at a launcher and at the processes that it has started on this machine, four times a second at
+  /// most. Returns one of them that was stopped in all looks of three seconds. A clock would also count the
+  /// time in which this process was stopped itself.
+  std::optional<pid_t> look(pid_t launcher, Clock::time_point now);
+
+ private:
+  Clock::time_point next_;
+  std::map<pid_t, int> stopped_;  // looks in a row that have found it stopped
+};
+
+}  // namespace strake
 
 /// What Participants and RemoteParticipant share, for the files of this folder alone.
 namespace strake {

@@ -30,7 +30,7 @@ struct Deadlines {
   std::chrono::duration<double> tell{15};  // [s] of waiting before the first line says for whom
   std::chrono::duration<double> grace{
       5};                // [s] for the answers under way after Ctrl-C, so that the state is saved
-  bool patient = false;  // --patient: no deadline but death
+  bool patient = false;  // --patient: waits without limit for a program that lives
 };
 
 /// An answer that is awaited: whose, to what, and what that participant last said that it does.

@@ -1,7 +1,7 @@
 // Histories of all runs in one plot per quantity, whole and around the first peak.
 #include "coupler/compare/comparison.hpp"
-#include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/lookup.hpp"

@@ -1,4 +1,4 @@
-// What the runs found: metrics against references, and the books that a run keeps on itself.
+// What the runs found: metrics against references, and checks.
 #include "coupler/compare/comparison.hpp"
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/ticks.hpp"

@@ -1,6 +1,6 @@
 
-#include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/lookup.hpp"

@@ -1,7 +1,6 @@
 #include "coupler/run/checkpoint.hpp"
 
 #include "coupler/case/case_queries.hpp"
-#include "coupler/run/checksums.hpp"
 #include "proto/error.hpp"
 #include "proto/files/history.hpp"
 #include "proto/files/json_file.hpp"

@@ -1,5 +1,4 @@
-#include "coupler/run/checksums.hpp"
-
+#include "coupler/run/checkpoint.hpp"
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"

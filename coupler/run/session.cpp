@@ -1,8 +1,8 @@
 #include "coupler/run/session.hpp"
 
-#include "coupler/case/attached_programs.hpp"
 #include "coupler/case/mesh_transfer.hpp"
 #include "coupler/case/rank_threads.hpp"
+#include "coupler/case/side_programs.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
@@ -11,7 +11,7 @@
 #include "coupler/summary/resolution.hpp"
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "proto/case/size_limit.hpp"
 #include "proto/lookup.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 

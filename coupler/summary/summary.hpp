@@ -1,8 +1,9 @@
 #pragma once
 
+#include "coupler/case/case_view.hpp"
 #include "coupler/compare/compare.hpp"
 #include "coupler/coupling/window_loop.hpp"
-#include "coupler/summary/alarms.hpp"
+#include "coupler/summary/notes.hpp"
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
 
@@ -76,5 +77,19 @@ Json json_of(const Verdict&);
 
 /// User and system time of this process [s].
 double cpu_seconds();
+
+/// The compare blocks that apply to a case, evaluated during its run.
+class ComparisonStatus {
+ public:
+  explicit ComparisonStatus(const CaseView&);
+  /// What the blocks came to of which all metrics have become known since the last call.
+  std::vector<Verdict> settle(const RunData& now);
+  /// Every block as it stands.
+  std::vector<Verdict> all(const RunData&) const;
+
+ private:
+  std::vector<CompareBlock> blocks_;
+  std::vector<bool> settled_;  // of blocks_
+};
 
 }  // namespace strake

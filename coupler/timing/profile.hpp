@@ -1,7 +1,7 @@
 #pragma once
 
-#include "coupler/coupling/rank_shares.hpp"
 #include "coupler/coupling/window_loop.hpp"
+#include "coupler/coupling/window_report.hpp"
 #include "coupler/processes/exchange_times.hpp"
 #include "proto/files/json_file.hpp"
 

@@ -2,10 +2,8 @@
 
 #include "coupler/transport/connection_limit.hpp"
 #include "coupler/transport/endpoint.hpp"
-#include "coupler/transport/peer_close_detector.hpp"
 #include "coupler/transport/system_calls.hpp"
 #include "coupler/transport/unix_listener.hpp"
-#include "coupler/transport/zap_authenticator.hpp"
 #include "coupler/transport/zmq_parts.hpp"
 
 #include <fmt/format.h>

@@ -1,17 +1,23 @@
 #pragma once
 
 #include "coupler/transport/sockets.hpp"
+#include "proto/descriptor.hpp"
 #include "proto/wire/wire.hpp"
 
 #include <zmq.hpp>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
-/// What both ends of a connection do with ZeroMQ's sockets, for link.cpp alone.
+/// What both ends of a connection do with ZeroMQ's sockets, for sockets.cpp alone.
 namespace strake::zmq_parts {
 
 // Limit for a part of a message. ZeroMQ allocates a part as soon as its size is announced, by anyone who has
@@ -62,3 +68,48 @@ bool send_part(zmq::socket_t&, zmq::message_t, bool more);
 void send_parts(zmq::socket_t&, const wire::Parts&);
 
 }  // namespace strake::zmq_parts
+
+namespace strake {
+
+/// A second descriptor of a connection that ZeroMQ owns. ZeroMQ does not distinguish whether the other end
+/// closed a connection or was silent for too long; the kernel does. While a witness lives, the other end does
+/// not learn that ZeroMQ has closed its own descriptor.
+class PeerCloseDetector {
+ public:
+  explicit PeerCloseDetector(int socket);
+  /// Whether the other end has closed the connection, or its process has ended, which closes it too.
+  bool closed_by_peer() const;
+  /// Bytes that have arrived and are unread.
+  int unread() const;
+
+ private:
+  Descriptor socket_;
+};
+
+/// Admits to ZeroMQ whoever has one of the admitted encryption keys (the request is described in RFC 27/ZAP).
+/// It runs in a thread of its own, since the coupler may be computing.
+class ZapAuthenticator {
+ public:
+  /// admitted: participant → public key in Z85.
+  ZapAuthenticator(zmq::context_t&, const std::map<std::string, std::string>& admitted);
+  ~ZapAuthenticator();  // shuts the context down, which is what its thread waits for
+  ZapAuthenticator(const ZapAuthenticator&) = delete;
+  ZapAuthenticator& operator=(const ZapAuthenticator&) = delete;
+
+  /// Addresses that came with another key, since the last call.
+  std::vector<std::string> take_refused();
+
+ private:
+  void run();
+  std::vector<std::string> hear();
+  void answer(const std::vector<std::string>& request);
+
+  zmq::context_t& context_;
+  zmq::socket_t socket_;
+  std::map<std::array<std::uint8_t, 32>, std::string> name_of_;
+  std::mutex mutex_;
+  std::vector<std::string> refused_;
+  std::thread thread_;
+};
+
+}  // namespace strake

@@ -1,9 +1,8 @@
-#include "coupler/watch/processes.hpp"
-
+#include "coupler/watch/run_status.hpp"
 #include "proto/files/json_file.hpp"
+#include "proto/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <sstream>
@@ -106,14 +105,13 @@ std::vector<Process> processes_of(const std::string& endpoint) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator("/proc", error)) {
     const std::string name = entry.path().filename().string();
-    pid_t pid = 0;
-    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
-    if (bad != std::errc() || end != name.data() + name.size()) continue;
+    const auto pid = number_from<pid_t>(name);
+    if (!pid) continue;
     const std::vector<std::string> words = words_of(entry.path());
     if (!of_one_run(option(words, "--connect"), endpoint)) continue;
     const auto stat = stat_of(entry.path());
     if (!stat) continue;  // it has just ended
-    found.push_back(process_of(option(words, "--name"), pid, *stat));
+    found.push_back(process_of(option(words, "--name"), *pid, *stat));
     parent = stat->parent;
   }
   std::sort(found.begin(), found.end(), [](const Process& a, const Process& b) { return a.name < b.name; });

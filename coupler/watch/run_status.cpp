@@ -8,7 +8,7 @@
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/lookup.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
@@ -217,9 +217,9 @@ void WatchedRun::judge() {
     return;
   }
   if (!under_way()) {
-    set(State::killed, g.window > 0
-                           ? fmt::format("killed after {}: nobody is at it, and no end was recorded", at)
-                           : "killed while it started: nobody is at it, and no end was recorded");
+    set(State::killed,
+        g.window > 0 ? fmt::format("killed after {}: no process computes it, and no end was recorded", at)
+                     : "killed while it started: no process computes it, and no end was recorded");
     return;
   }
   const bool any = g.window > 0;

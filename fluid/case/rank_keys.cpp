@@ -1,6 +1,6 @@
-#include "fluid/case/rank_keys.hpp"
-
 #include "proto/case/rank_keys.hpp"
+
+#include "fluid/case/tank_keys.hpp"
 
 #include <fmt/format.h>
 

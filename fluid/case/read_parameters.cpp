@@ -1,7 +1,6 @@
 #include "fluid/case/read_parameters.hpp"
 
 #include "fluid/boundary/fill.hpp"
-#include "fluid/case/rank_keys.hpp"
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "proto/case/case_file.hpp"

@@ -10,4 +10,10 @@ namespace strake::fluid {
 /// `dimension` and `spacing` are known.
 void read_tank(CaseTable fluid, const CommonKeys&, Parameters&);
 
+/// Reads fluid.ranks and fluid.launcher.
+void read_ranks(CaseTable fluid, Parameters&);
+
+/// Refuses what is computed on one rank alone, and ranks with too few particles.
+void check_ranks(const CaseTable& fluid, const Parameters&);
+
 }  // namespace strake::fluid

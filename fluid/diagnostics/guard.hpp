@@ -15,7 +15,7 @@
 
 namespace strake::fluid {
 
-/// What the guard of a run watches. The words for each stand in coupler/summary/alarms.cpp.
+/// What the guard of a run watches. The words for each stand in coupler/summary/notes.cpp.
 enum class Alarm { speed, pressure, dry, momentum, volume, hollow };
 constexpr int alarm_kinds = 6;
 constexpr std::array<const char*, alarm_kinds> alarm_names = {"speed",    "pressure", "dry",

@@ -3,7 +3,7 @@
 #include "fluid/particles/running_sum.hpp"
 #include "fluid/particles/simd_neighbours.hpp"
 #include "proto/error.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 #include <omp.h>

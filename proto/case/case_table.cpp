@@ -1,5 +1,6 @@
 // Declarations of numbers, flags, vectors and boxes, and the tables they stand in. Texts: case_text.cpp.
 #include "proto/case/case_declare.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
@@ -83,14 +84,7 @@ std::string without_unit(const std::string& text, const std::string& unit) {
 std::optional<double> as_number(const toml::node& node, const CaseFile::Document::Set* set) {
   if (const auto* v = node.as_floating_point()) return v->get();
   if (const auto* v = node.as_integer()) return static_cast<double>(v->get());
-  if (set && node.is_string()) {
-    double value = 0;
-    const char* last = set->value.data() + set->value.size();
-    if (const auto [end, error] = std::from_chars(set->value.data(), last, value);
-        error == std::errc() && end == last)
-      return value;
-  }
-  return {};
+  return set && node.is_string() ? number_from<double>(set->value) : std::nullopt;
 }
 
 bool in_range(double value, const NumberKey& key, bool infinite) {

@@ -1,7 +1,7 @@
 #include "proto/case/size_limit.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 

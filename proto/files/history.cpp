@@ -1,5 +1,6 @@
 #include "proto/files/history.hpp"
 
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -47,11 +48,8 @@ std::string_view next_cell(std::optional<std::string_view>& line) {
 /// The number in a cell, NaN in an empty one; nothing where it is none.
 std::optional<double> number_of(std::string_view cell) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double value = 0;
-  const char* last = cell.data() + cell.size();
-  const auto [end, error] = std::from_chars(cell.data() + (cell[0] == '+' ? 1 : 0), last, value);
-  if (error != std::errc() || end != last || std::isnan(value)) return std::nullopt;
-  return value;
+  const auto value = number_from<double>(cell.substr(cell[0] == '+' ? 1 : 0));
+  return value && !std::isnan(*value) ? value : std::nullopt;
 }
 
 constexpr const char* header_fix =

@@ -1,7 +1,6 @@
 #include "proto/files/whole_file.hpp"
 
 #include "proto/descriptor.hpp"
-#include "proto/files/unfinished_file.hpp"
 
 #include <fmt/format.h>
 

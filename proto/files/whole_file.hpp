@@ -1,4 +1,5 @@
 #pragma once
+
 // Writes files that appear whole or not at all and survive a power cut. Reads files of limited size.
 
 #include "proto/error.hpp"
@@ -33,5 +34,9 @@ void sync_to_disk(const std::filesystem::path&);
 void sync_to_disk(int file, const std::filesystem::path& path);
 /// Error(cannot_write) that names the file and what the system said.
 Error cannot_write(const std::filesystem::path& path, int error_number);
+
+/// Removes the file that `write_whole` is writing at this moment, if any. It serves signal handlers that end
+/// the process: it uses plain system calls alone.
+void remove_unfinished_file() noexcept;
 
 }  // namespace strake

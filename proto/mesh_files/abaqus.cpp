@@ -1,12 +1,12 @@
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <fstream>
 
 namespace strake {
@@ -86,11 +86,9 @@ class AbaqusReader {
 
   template <class Number>
   Number number_of(const std::string& word) const {
-    Number value{};
-    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (code != std::errc{} || end != word.data() + word.size())
-      throw wrong("expected a number instead of \"" + word + "\"");
-    return value;
+    const auto value = number_from<Number>(word);
+    if (!value) throw wrong("expected a number instead of \"" + word + "\"");
+    return *value;
   }
 
   void open_section(const std::string& line) {

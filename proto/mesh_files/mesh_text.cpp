@@ -1,17 +1,14 @@
 #include "proto/mesh_files/mesh_text.hpp"
 
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 namespace strake {
 
 MeshText read_mesh_text(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_case(path.extension().string());
   if (ending == ".msh") return read_gmsh(path);
   if (ending == ".inp") return read_abaqus(path);
   throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",

@@ -2,13 +2,13 @@
 
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -19,13 +19,6 @@ namespace strake {
 namespace {
 
 constexpr std::size_t header = 84, record = 50;  // [bytes] of the binary form
-
-std::string small_letters(std::string_view text) {
-  std::string small(text);
-  std::transform(small.begin(), small.end(), small.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return small;
-}
 
 Error wrong(const std::string& where, const std::string& problem,
             const std::string& fix = "export the STL file anew") {
@@ -52,7 +45,7 @@ class Words {
     while (length < rest_.size() && !std::isspace(static_cast<unsigned char>(rest_[length]))) ++length;
     const std::string_view word = rest_.substr(0, length);
     rest_.remove_prefix(length);
-    return small_letters(word);
+    return lower_case(word);
   }
 
   void skip_line() { rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size())); }
@@ -63,12 +56,9 @@ class Words {
 
   double number() {
     const std::string word = next();
-    const std::size_t sign = !word.empty() && word.front() == '+' ? 1 : 0;
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
-    if (word.empty() || error != std::errc() || end != word.data() + word.size())
-      throw other("a number", word);
-    return value;
+    const auto value = number_from<double>(word.starts_with('+') ? word.substr(1) : word);
+    if (!value) throw other("a number", word);
+    return *value;
   }
 
   Error other(const std::string& expected, const std::string& found) const {
@@ -148,14 +138,14 @@ std::vector<double> read_binary(std::string_view bytes, const std::string& file)
 
 bool looks_like_text(std::string_view bytes) {
   constexpr std::size_t looked_at = 1024;
-  return small_letters(bytes.substr(0, 5)) == "solid" &&
+  return lower_case(bytes.substr(0, 5)) == "solid" &&
          bytes.substr(0, looked_at).find('\0') == std::string_view::npos;
 }
 
 }  // namespace
 
 bool is_stl(const std::filesystem::path& path) {
-  return small_letters(path.extension().string()) == ".stl";
+  return lower_case(path.extension().string()) == ".stl";
 }
 
 Points read_stl(const std::filesystem::path& path) {

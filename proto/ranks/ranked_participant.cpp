@@ -1,11 +1,14 @@
 #include "proto/ranks/ranked_participant.hpp"
 
 #include "proto/error.hpp"
-#include "proto/ranks/call_together.hpp"
+#include "proto/ranks/agreement.hpp"
 #include "proto/wire/wire.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace strake {
 
@@ -153,6 +156,22 @@ void work_for_first_rank(MpiCommunicator& ranks, const RankFactory& build) {
       // The first rank has the same error and tells the coupler.
     }
   }
+}
+
+void call_together(MpiCommunicator& ranks, const std::function<void()>& call) {
+  const std::optional<Error> own = error_of(call);
+  const auto failed = ranks.end_call(own.has_value());
+  if (!failed) {  // the first rank tells the coupler; another one prints it behind its own name
+    if (ranks.rank() == 0) throw of_rank(0, *own);
+    throw *own;
+  }
+  const auto first = std::ranges::find(*failed, true);
+  if (first == failed->end()) return;
+  const auto rank = static_cast<int>(first - failed->begin());
+  const std::vector<Bytes> errors = ranks.gather(packed(own));
+  const Error error = unpacked(errors[static_cast<std::size_t>(rank)]);
+  const bool of_all = std::ranges::count(*failed, true) == ranks.size() && !error.where().empty();
+  throw of_all ? error : of_rank(rank, error);
 }
 
 }  // namespace strake

@@ -1,4 +1,4 @@
-#include "structure/case/fem_keys.hpp"
+#include "structure/case/keys.hpp"
 
 namespace strake::structure {
 

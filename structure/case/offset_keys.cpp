@@ -1,8 +1,7 @@
-#include "structure/case/offset_keys.hpp"
-
 #include "proto/error.hpp"
 #include "proto/files/history.hpp"
 #include "proto/files/whole_file.hpp"
+#include "structure/case/keys.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,5 @@
-#include "structure/case/placing.hpp"
-
 #include "structure/body/surface.hpp"
+#include "structure/case/keys.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "structure/case/plate_keys.hpp"
+#include "structure/case/keys.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
-#include "structure/case/rank_keys.hpp"
-
 #include "proto/case/rank_keys.hpp"
+
+#include "structure/case/keys.hpp"
 
 #include <fmt/format.h>
 
@@ -15,11 +15,12 @@ std::string only_on_one_rank(const Parameters& p) {
 }  // namespace
 
 void read_ranks(CaseTable structure, Parameters& p) {
-  read_rank_keys(structure,
-                 "processes that compute a fem structure together, by conjugate gradients unless "
-                 "structure.fem.linear_solver asks for factors; from about 100000 unknowns on, for bodies that "
-                 "one is too slow or too small for",
-                 p.ranks, p.launcher);
+  read_rank_keys(
+      structure,
+      "processes that compute a fem structure together, by conjugate gradients unless "
+      "structure.fem.linear_solver asks for factors; from about 100000 unknowns on, for bodies that "
+      "one is too slow or too small for",
+      p.ranks, p.launcher);
 }
 
 void check_ranks(const CaseTable& structure, const Parameters& p) {

@@ -1,10 +1,7 @@
-#include "structure/case/shape_keys.hpp"
-
 #include "proto/files/motion_file.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/surface.hpp"
-#include "structure/case/offset_keys.hpp"
-#include "structure/case/plate_keys.hpp"
+#include "structure/case/keys.hpp"
 
 #include <fmt/format.h>
 

@@ -1,14 +1,11 @@
-#include "structure/case/solid_keys.hpp"
-
 #include "proto/mesh_files/stl.hpp"
-#include "structure/case/placing.hpp"
-#include "structure/case/surface_keys.hpp"
+#include "proto/text.hpp"
+#include "structure/case/keys.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -248,9 +245,7 @@ std::vector<SolidBox> read_boxes(CaseTable t, const Parameters& p, std::vector<E
 
 /// Refuses a file by its ending, before it is read.
 void check_ending(const CaseTable& t, const std::filesystem::path& mesh) {
-  std::string ending = mesh.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_case(mesh.extension().string());
   if (ending != ".msh" && ending != ".inp")
     throw t.error("mesh",
                   "a file that ends in .msh (Gmsh) or .inp (Abaqus), or in .stl for the closed surface of a "

@@ -1,5 +1,4 @@
-#include "structure/case/surface_keys.hpp"
-
+#include "structure/case/keys.hpp"
 #include "structure/mesh_files/stl_body.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-#include "structure/case/tank_fit.hpp"
-
 #include "structure/body/surface.hpp"
+#include "structure/case/keys.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "structure/mesh_files/cut_cells.hpp"
+#include "structure/mesh_files/mesh_file.hpp"
 
 #include <algorithm>
 #include <set>

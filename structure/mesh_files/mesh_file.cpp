@@ -2,8 +2,6 @@
 
 #include "proto/error.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
-#include "structure/mesh_files/cut_cells.hpp"
-#include "structure/mesh_files/overlaps.hpp"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>

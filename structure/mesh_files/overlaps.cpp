@@ -1,4 +1,4 @@
-#include "structure/mesh_files/overlaps.hpp"
+#include "structure/mesh_files/mesh_file.hpp"
 
 #include <Eigen/Geometry>
 #include <unsupported/Eigen/BVH>

@@ -1,4 +1,4 @@
-#include "structure/mesh_files/self_cuts.hpp"
+#include "structure/mesh_files/stl_body.hpp"
 
 #include <Eigen/Geometry>
 #include <unsupported/Eigen/BVH>

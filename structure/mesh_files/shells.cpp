@@ -1,6 +1,5 @@
-#include "structure/mesh_files/shells.hpp"
-
 #include "proto/error.hpp"
+#include "structure/mesh_files/stl_body.hpp"
 
 #include <fmt/format.h>
 

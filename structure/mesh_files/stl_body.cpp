@@ -2,8 +2,6 @@
 
 #include "proto/error.hpp"
 #include "proto/mesh_files/stl.hpp"
-#include "structure/mesh_files/self_cuts.hpp"
-#include "structure/mesh_files/shells.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -6,7 +6,7 @@ import { fileURLToPath } from 'node:url';
 const root = fileURLToPath(new URL('../..', import.meta.url));
 
 export default defineConfig(
-  { ignores: ['**/vendor/**', '**/bundle/**', '**/node_modules/**', '**/output/**', 'build*/**'] },
+  { ignores: ['**/bundle/**', '**/node_modules/**', '**/output/**', 'build*/**'] },
   js.configs.recommended,
   { rules: { 'no-undef': 'off', eqeqeq: 'error' } },  // the type checker checks names better
   {

@@ -47,7 +47,7 @@ def citations(path, text):
 
 
 for path in sorted([*root.glob("*.md"), *(p for room in rooms for p in (root / room).rglob("*"))]):
-    if "vendor" in path.parts or "node_modules" in path.parts or path.resolve() == pathlib.Path(__file__).resolve():
+    if "node_modules" in path.parts or path.resolve() == pathlib.Path(__file__).resolve():
         continue
     if path.suffix == ".md":
         links(path, path.read_text(encoding="utf-8"))

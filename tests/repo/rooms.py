@@ -6,7 +6,7 @@ import re
 import sys
 
 root = pathlib.Path(sys.argv[1])
-ROOMS, SOURCES, MADE = ("proto", "fluid", "structure", "coupler"), {".cpp", ".hpp", ".ts", ".py"}, {"vendor", "bundle", "node_modules", "corpus"}
+ROOMS, SOURCES, MADE = ("proto", "fluid", "structure", "coupler"), {".cpp", ".hpp", ".ts", ".py"}, {"bundle", "node_modules", "corpus"}
 PARTS = ("In", "Out", "May include", "Files in reading order", "To add")
 MOST = 25
 

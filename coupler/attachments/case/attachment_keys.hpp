@@ -1,7 +1,7 @@
 #pragma once
 
 #include "coupler/attachments/catenary.hpp"
-#include "coupler/attachments/spring.hpp"
+#include "coupler/attachments/local_attachment.hpp"
 
 #include <filesystem>
 #include <string>

@@ -2,12 +2,12 @@
 
 #include "coupler/attachments/fmu/fmu_instance.hpp"
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -99,9 +99,8 @@ struct Connection {
       refuse(fmt::format("\"{}\" is no component", visible(words, "")),
              dimension == 2 ? "x or y; of the second point x.2" : "x, y or z; of the second point x.2");
     if (!numbered) return at;
-    const char* end = words.data() + words.size();
-    const auto [stopped, failure] = std::from_chars(words.data() + 2, end, at.point);
-    if (failure != std::errc() || stopped != end || at.point < 1 || at.point > n_points)
+    at.point = number_from<decltype(at.point)>(words.substr(2)).value_or(0);
+    if (at.point < 1 || at.point > n_points)
       refuse(fmt::format("there is no point {}", visible(words.substr(2), "")),
              fmt::format("1 to {}, in the order of `at`", n_points));
     at.point -= 1;
@@ -142,9 +141,8 @@ FmuOutput output_of(const Connection& entry) {
 
 std::optional<double> number_in(const std::string& text, const std::string& type) {
   if (type == "Boolean" && (text == "true" || text == "false")) return text == "true" ? 1 : 0;
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  const double value = number_from<double>(text).value_or(std::nan(""));
+  if (!std::isfinite(value)) return {};
   const auto whole_in = [&](double low, double high) {
     return value == std::floor(value) && value >= low && value <= high;
   };

@@ -3,12 +3,12 @@
 #include "coupler/precice/config/xml_elements.hpp"
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 
 namespace strake {
@@ -21,12 +21,9 @@ template <class Number>
 Number number_of(const XmlElement& element, const std::string& attribute, Number otherwise) {
   const auto found = element.attributes.find(attribute);
   if (found == element.attributes.end()) return otherwise;
-  const std::string& text = found->second;
-  Number value{};
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size())
-    element.refuse(fmt::format("{} = \"{}\" is no number", attribute, text), "");
-  return value;
+  const auto value = number_from<Number>(found->second);
+  if (!value) element.refuse(fmt::format("{} = \"{}\" is no number", attribute, found->second), "");
+  return *value;
 }
 
 /// Reads the elements of one description in their order.

@@ -21,4 +21,11 @@ CaseFile load_case(const ParticipantOptions&, const Program&);
 /// Error(case_file) for what the program refuses.
 CaseFile load_declared(const ParticipantOptions&, const Program&);
 
+/// Takes part in a preCICE run with the program's solver, to its end (--precice). Returns the exit code; an
+/// Error is printed and, where the library is Strake's, reported to the coupler.
+///
+/// Throws Error before the run: Error(command_line) for options and the library, Error(case_file) for the
+/// configuration and the case.
+int run_in_precice(const ParticipantOptions&, const Program&);
+
 }  // namespace strake

@@ -1,7 +1,6 @@
 #include "coupler/participant/participant_main.hpp"
 
 #include "coupler/participant/case/declared_case.hpp"
-#include "coupler/participant/case/precice_mode.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/liveness_thread.hpp"
 #include "proto/case/case_file.hpp"

@@ -1,5 +1,3 @@
-#include "coupler/participant/case/precice_mode.hpp"
-
 #include "coupler/participant/case/declared_case.hpp"
 #include "coupler/participant/launch.hpp"
 #include "coupler/participant/precice/partner_surface.hpp"
@@ -164,8 +162,9 @@ int run_in_precice(const ParticipantOptions& options, const Program& program) {
     throw Error(ExitCode::case_file, options.case_file, "has several bodies",
                 "in a preCICE run the fluid meets one structure: [structure] in place of [[structures]]");
   if (common.has("attachments"))
-    throw Error(ExitCode::case_file, options.case_file, "has [[attachments]]",
-                "in a preCICE run their forces come from participants of that run; leave them out of this case");
+    throw Error(
+        ExitCode::case_file, options.case_file, "has [[attachments]]",
+        "in a preCICE run their forces come from participants of that run; leave them out of this case");
   OwnPart part = OwnPart::of(config, wanted.participant, names_of(keys, program.prefix));
   part.check_data(program.prefix, wanted.config);
   const std::vector<double> dimension = common.numbers_at("fluid.dimension");

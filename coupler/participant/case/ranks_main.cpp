@@ -1,6 +1,5 @@
-#include "coupler/participant/ranks_main.hpp"
-
 #include "coupler/participant/case/declared_case.hpp"
+#include "coupler/participant/start_ranks.hpp"
 #include "proto/case/rank_threads.hpp"
 #include "proto/error.hpp"
 #include "proto/ranks/rank_watch.hpp"

@@ -1,10 +1,10 @@
 #include "coupler/precice/config/quantities.hpp"
 
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 
 namespace strake {
@@ -15,12 +15,6 @@ const std::array<Quantity, 5> known{{{"displacement", "m", 3, false},
                                      {"force", "N", 3, true},
                                      {"traction", "Pa", 3, false},
                                      {"pressure", "Pa", 1, false}}};
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string_view without_blanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(' ');

@@ -17,9 +17,9 @@ function(embed name type)
 endfunction()
 embed("" "text/html; charset=utf-8" ${PAGE}/index.html)
 embed("page.js" "text/javascript; charset=utf-8" ${PAGE}/bundle/page.js)
-embed("page.css" "text/css; charset=utf-8" ${COLOURS} ${PAGE}/vendor/uplot/uPlot.min.css ${PAGE}/page.css)
+embed("page.css" "text/css; charset=utf-8" ${COLOURS} ${PAGE}/bundle/uplot.css ${PAGE}/page.css)
 file(WRITE ${SOURCE}.part "// Made from coupler/watch/page.
-#include \"coupler/watch/page.hpp\"
+#include \"coupler/watch/web/http_api.hpp\"
 
 namespace strake::watch {
 namespace {

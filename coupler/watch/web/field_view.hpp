@@ -1,13 +1,43 @@
 #pragma once
 
-#include "coupler/watch/web/array_message.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/interface.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace strake::watch {
+
+/// Named arrays and a few words about them as one block of bytes for the page:
+///   4 bytes   length n of the head, little-endian
+///   n bytes   JSON, {"arrays": {name: {"type": "f32" | "f64" | "u32" | "u8", "at": offset [bytes], "count":
+///   …}}, …},
+///             with blanks behind it, so that 4 + n is a multiple of 8
+///   the arrays, little-endian, each at its offset from the block's first byte, a multiple of 8: a page uses
+///   them in place.
+class ArrayMessage {
+ public:
+  Json head;
+  void add(const std::string& name, std::span<const float>);
+  void add(const std::string& name, std::span<const double>);
+  void add(const std::string& name, std::span<const std::uint32_t>);
+  void add(const std::string& name, std::span<const std::uint8_t>);
+  std::string bytes() const;
+
+ private:
+  struct Array {
+    std::string name, type;
+    std::size_t count = 0, at = 0;  // at: from the first array
+  };
+  void add(const std::string& name, const char* type, const void* data, std::size_t count, std::size_t size);
+  std::vector<Array> arrays_;
+  std::string data_;
+};
 
 /// What is drawn of one frame, as an ArrayMessage:
 ///   position  f32 3·n  [m]
@@ -18,8 +48,8 @@ namespace strake::watch {
 ///   triangle  u32 3·m, edge u32 2·k: the cells' surface, as places in `position`; absent where points are
 ///   all
 /// Its head: time [s], field {name, unit, shown [lo, hi], all [lo, hi]}, fields [{name, unit}], low and high
-/// corner of what is drawn [m]. The structure's has also bodies [{name, first, low, high}]: name, place of the
-/// first point in the frame, and box [m] of each of several bodies; empty for one structure.
+/// corner of what is drawn [m]. The structure's has also bodies [{name, first, low, high}]: name, place of
+/// the first point in the frame, and box [m] of each of several bodies; empty for one structure.
 struct FieldRequest {
   std::string side;   // "fluid" | "structure"
   std::string field;  // "pressure", "speed", "von_mises" …; empty: the positions alone

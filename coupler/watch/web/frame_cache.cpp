@@ -3,11 +3,11 @@
 #include "coupler/watch/table_tail.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <set>
 
 namespace strake::watch {
@@ -21,10 +21,8 @@ constexpr std::size_t most_bytes = std::size_t(256) << 20;  // of frames that ar
 std::optional<std::pair<std::string, int>> named(const std::string& file) {
   const auto dash = file.rfind('-'), end = file.size() - std::min<std::size_t>(3, file.size());
   if (!file.ends_with(".h5") || dash == std::string::npos || dash + 1 >= end) return std::nullopt;
-  int number = 0;
-  const auto [stop, error] = std::from_chars(file.data() + dash + 1, file.data() + end, number);
-  if (error != std::errc() || stop != file.data() + end) return std::nullopt;
-  return std::pair(file.substr(0, dash), number);
+  const auto number = number_from<int>(file.substr(dash + 1, end - dash - 1));
+  return number ? std::optional(std::pair(file.substr(0, dash), *number)) : std::nullopt;
 }
 
 std::size_t bytes_of(const Frame& frame) {

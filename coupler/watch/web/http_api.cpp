@@ -1,18 +1,16 @@
 #include "coupler/watch/web/http_api.hpp"
 
-#include "coupler/plot/colour_map.hpp"
-#include "coupler/watch/page.hpp"
+#include "coupler/plot/canvas.hpp"
 #include "coupler/watch/select_run.hpp"
-#include "coupler/watch/web/array_message.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/lookup.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 
@@ -39,11 +37,9 @@ Error wrong(const std::string& key, const std::string& value, const std::string&
 
 std::int64_t integer(const HttpApi::Query& query, const std::string& key, std::int64_t least) {
   const std::string value = at_or(query, key);
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (value.empty() || error != std::errc() || end != value.data() + value.size() || number < least)
-    throw wrong(key, value, fmt::format("a whole number, at least {}", least));
-  return number;
+  const auto number = number_from<std::int64_t>(value);
+  if (!number || *number < least) throw wrong(key, value, fmt::format("a whole number, at least {}", least));
+  return *number;
 }
 
 std::string one_of(const HttpApi::Query& query, const std::string& key,

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace strake::watch {
 
@@ -46,5 +48,11 @@ class HttpApi {
   FrameCache frames_;
   std::chrono::steady_clock::time_point updated_{};
 };
+
+/// A file of the page, as it is built into the program.
+struct PageFile {
+  std::string_view name, type, bytes;
+};
+std::span<const PageFile> page_files();
 
 }  // namespace strake::watch

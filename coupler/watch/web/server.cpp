@@ -4,6 +4,7 @@
 #include "coupler/watch/web/http_api.hpp"
 #include "coupler/watch/web/waiting_connections.hpp"  // last: it brings resolv.h, whose macro _res is a name of Eigen's
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -11,16 +12,10 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
-#include <cctype>
 #include <thread>
 
 namespace strake::watch {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 bool is_numeric(const std::string& address) {
   std::array<unsigned char, 16> bytes{};
@@ -53,14 +48,14 @@ std::pair<std::string, std::string> split(const std::string& path) {
 }  // namespace
 
 bool is_loopback(const std::string& address) {
-  const std::string name = lower(address);
+  const std::string name = lower_case(address);
   std::array<unsigned char, 16> bytes{};
   if (name == "localhost" || name == "::1") return true;
   return ::inet_pton(AF_INET, name.c_str(), bytes.data()) == 1 && bytes[0] == 127;
 }
 
 bool host_is_ours(const std::string& host, const std::string& bind, int port) {
-  std::string name = lower(host), given_port;
+  std::string name = lower_case(host), given_port;
   if (name.starts_with('[')) {
     const auto close = name.find(']');
     if (close == std::string::npos) return false;
@@ -71,8 +66,8 @@ bool host_is_ours(const std::string& host, const std::string& bind, int port) {
     name = name.substr(0, colon);
   }
   if (given_port != fmt::format(":{}", port) && !(given_port.empty() && port == 80)) return false;
-  if (name == lower(bind) || is_loopback(name)) return true;
-  return is_any(bind) && (is_numeric(name) || name == lower(host_name()));
+  if (name == lower_case(bind) || is_loopback(name)) return true;
+  return is_any(bind) && (is_numeric(name) || name == lower_case(host_name()));
 }
 
 struct Server::State {
@@ -90,7 +85,7 @@ struct Server::State {
     response.set_header("X-Content-Type-Options", "nosniff");
     if (request.method != "GET" && request.method != "HEAD") {
       response.set_header("Allow", "GET, HEAD");
-      return refuse(response, 405, "this server only shows: GET and HEAD are all it knows");
+      return refuse(response, 405, "this server takes GET and HEAD only");
     }
     if (!host_is_ours(request.get_header_value("Host"), options.bind, port))
       return refuse(response, 403,

@@ -1,7 +1,7 @@
 // Springs and catenaries against their closed forms.
 
 #include "coupler/attachments/catenary.hpp"
-#include "coupler/attachments/spring.hpp"
+#include "coupler/attachments/local_attachment.hpp"
 #include "proto/error.hpp"
 
 #include <gtest/gtest.h>

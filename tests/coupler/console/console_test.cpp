@@ -1,6 +1,6 @@
 #include "coupler/console/console.hpp"
 
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 #include "tests/coupler/stream.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // Several bodies as one structure: what the scheme sees of them, and what each of them is given.
 #include "coupler/coupling/assembly.hpp"
 
-#include "coupler/coupling/body_gaps.hpp"
 #include "proto/error.hpp"
 #include "tests/method/coupling/coupling_models.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "coupler/coupling/attachments.hpp"
 
-#include "coupler/attachments/spring.hpp"
+#include "coupler/attachments/local_attachment.hpp"
 #include "coupler/coupling/scheme.hpp"
 #include "proto/error.hpp"
 #include "tests/method/coupling/coupling_models.hpp"

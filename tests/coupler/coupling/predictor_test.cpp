@@ -1,5 +1,4 @@
-#include "coupler/coupling/predictor.hpp"
-
+#include "coupler/coupling/scheme.hpp"
 #include "proto/error.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "coupler/import/case_text.hpp"
+#include "coupler/import/imported_run.hpp"
 #include "proto/error.hpp"
 
 #include <gtest/gtest.h>

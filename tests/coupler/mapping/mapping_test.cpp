@@ -1,6 +1,6 @@
 #include "coupler/mapping/mapping.hpp"
 
-#include "coupler/mapping/surface_area.hpp"
+#include "coupler/mapping/mapping_parts.hpp"
 #include "tests/coupler/surfaces.hpp"
 #include "tests/proto/refusal.hpp"
 

@@ -1,6 +1,5 @@
 #include "coupler/participant/launch.hpp"
 
-#include "coupler/participant/wide_program.hpp"
 #include "proto/error.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"

@@ -1,7 +1,7 @@
 #include "coupler/participant/precice/own_part.hpp"
 
 #include "coupler/participant/precice/partner_surface.hpp"
-#include "coupler/participant/precice/window_times.hpp"
+#include "coupler/participant/precice/solver_loop.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"

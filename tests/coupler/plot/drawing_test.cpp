@@ -1,5 +1,4 @@
 #include "coupler/plot/canvas.hpp"
-#include "coupler/plot/colour_map.hpp"
 #include "coupler/plot/scene.hpp"
 #include "coupler/plot/ticks.hpp"
 

@@ -1,5 +1,4 @@
-#include "coupler/precice/waveform.hpp"
-
+#include "coupler/precice/exchanged_data.hpp"
 #include "coupler/precice/solver_mesh.hpp"
 #include "proto/error.hpp"
 

@@ -1,5 +1,5 @@
-#include "coupler/plot/chart.hpp"
 #include "coupler/plot/html.hpp"
+#include "coupler/plot/plot.hpp"
 #include "coupler/report/sketch.hpp"
 
 #include <gtest/gtest.h>

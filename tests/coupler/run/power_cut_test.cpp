@@ -2,7 +2,6 @@
 // which record the calls and perform them.
 
 #include "coupler/run/checkpoint.hpp"
-#include "coupler/run/checksums.hpp"
 #include "coupler/run/run_files.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/files/result_file.hpp"

@@ -1,6 +1,4 @@
-#include "coupler/summary/alarms.hpp"
-
-#include "coupler/summary/check_grades.hpp"
+#include "coupler/summary/notes.hpp"
 #include "coupler/summary/summary.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "coupler/summary/summary.hpp"
 
-#include "coupler/summary/failure_notes.hpp"
 #include "coupler/summary/history_metrics.hpp"
+#include "coupler/summary/notes.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

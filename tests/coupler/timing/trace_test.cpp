@@ -1,7 +1,6 @@
-#include "coupler/timing/trace.hpp"
-
 #include "coupler/run/run_folder.hpp"
 #include "coupler/timing/profile.hpp"
+#include "coupler/timing/run_clocks.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // Strangers and crowds at the port of a run: garbage, endless messages, silence. All on loopback.
 
-#include "coupler/processes/stranger_log.hpp"
+#include "coupler/processes/participants_state.hpp"
 #include "proto/error.hpp"
 #include "tests/coupler/transport/network_fixture.hpp"
 

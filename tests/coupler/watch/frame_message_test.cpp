@@ -1,5 +1,4 @@
 // The arrays and frames that the page of a run gets.
-#include "coupler/watch/web/array_message.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "coupler/watch/web/frame_cache.hpp"
 #include "proto/error.hpp"

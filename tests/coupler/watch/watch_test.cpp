@@ -1,5 +1,4 @@
 // Reading a run's files while it goes on, and their display on a terminal.
-#include "coupler/watch/braille_plot.hpp"
 #include "coupler/watch/run_status.hpp"
 #include "coupler/watch/select_run.hpp"
 #include "coupler/watch/table_tail.hpp"

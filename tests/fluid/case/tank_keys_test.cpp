@@ -1,5 +1,3 @@
-#include "fluid/case/tank_keys.hpp"
-
 #include "fluid/boundary/fill.hpp"
 #include "fluid/case/read_parameters.hpp"
 #include "fluid/parameters/parameters.hpp"

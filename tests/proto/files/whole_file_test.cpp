@@ -2,7 +2,6 @@
 
 #include "proto/case/case_file.hpp"
 #include "proto/files/history.hpp"
-#include "proto/files/unfinished_file.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 

@@ -3,7 +3,7 @@
 // "mpi", a call that MPI refuses. CALL: "build", "start" or "after", when the others have ended
 // their part of `start`.
 
-#include "coupler/participant/ranks_main.hpp"
+#include "coupler/participant/start_ranks.hpp"
 #include "fluid/program.hpp"
 #include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"

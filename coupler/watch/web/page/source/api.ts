@@ -43,7 +43,7 @@ export async function json<T>(path: string): Promise<T> {
 
 interface ArrayPlace { type: 'f32' | 'f64' | 'u32' | 'u8'; at: number; count: number }
 
-/** coupler/watch/web/array_message.hpp: arrays that are used in place. */
+/** coupler/watch/web/field_view.hpp: arrays that are used in place. */
 export class Arrays<Head> {
   readonly head: Head;
   private readonly places: Record<string, ArrayPlace>;

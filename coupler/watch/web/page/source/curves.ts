@@ -1,4 +1,4 @@
-import uPlot from '../vendor/uplot/uPlot.esm.js';
+import uPlot from 'uplot';
 import { colour, el, make, save, say, show } from './dom';
 import { firstGroups, groupsOf } from './groups';
 import type { Group } from './groups';

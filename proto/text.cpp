@@ -1,5 +1,7 @@
-#include "proto/number_text.hpp"
+#include "proto/text.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cstddef>
 
 namespace strake {
@@ -9,6 +11,13 @@ std::string grouped(long long number) {
   for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3)
     digits.insert(static_cast<std::size_t>(place), " ");
   return (number < 0 ? "-" : "") + digits;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
 }
 
 }  // namespace strake

@@ -2,6 +2,7 @@
 
 #include "coupler/attachments/case/attachment_keys.hpp"
 #include "coupler/case/case_view.hpp"
+#include "proto/case/foreign_keys.hpp"
 #include "proto/files/json_file.hpp"
 
 #include <filesystem>
@@ -19,5 +20,15 @@ void check_attached_programs(const CaseView&, const std::vector<std::string>& by
 /// Adds solver and program of each attachment that is a program, under its name, as run.json has them.
 /// Returns those that the coupler computes itself.
 Json record_attachments(const CaseView&, Json& programs);
+
+/// Whether the user starts this side (--attach): it is named, or it is a body and "structure" is.
+bool starts_by_hand(const std::vector<std::string>& by_hand, const SideView&);
+
+/// Error(command_line) for a name that the case has not, or that has no solver.
+void check_by_hand(const std::vector<std::string>& by_hand, const CaseView&);
+
+/// Looks up the names of data that [SIDE.precice] gives in its preCICE configuration. Error(case_file) for
+/// one that is not there, and for a configuration that cannot be read. Does nothing without a configuration.
+void check_precice_names(const std::string& side, const ForeignKeys&);
 
 }  // namespace strake

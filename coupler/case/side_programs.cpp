@@ -1,0 +1,77 @@
+#include "coupler/case/side_programs.hpp"
+
+#include "coupler/case/case_view.hpp"
+#include "coupler/participant/launch.hpp"
+#include "coupler/precice/config/precice_config.hpp"
+#include "proto/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace strake {
+
+std::filesystem::path program_of(const AttachmentKeys& attachment, const CaseView& view) {
+  return find_program(attachment.is_users() ? attachment.solver : "strake-attachment-" + attachment.solver,
+                      view.folder);
+}
+
+void check_attached_programs(const CaseView& view, const std::vector<std::string>& by_hand) {
+  for (const AttachmentKeys& one : view.attachments) {
+    if (!one.is_program() || std::find(by_hand.begin(), by_hand.end(), one.name) != by_hand.end()) continue;
+    std::error_code ignored;
+    if (one.is_users() && !std::filesystem::is_regular_file(one.solver, ignored))
+      throw Error(ExitCode::case_file, view.path.string() + ": attachments." + one.name + ".solver",
+                  "there is no file " + one.solver, "the path of a program");
+    program_of(one, view);
+  }
+}
+
+Json record_attachments(const CaseView& view, Json& programs) {
+  Json lines = Json::object();
+  for (const AttachmentKeys& one : view.attachments)
+    if (one.is_program())
+      programs[one.name] = {{"solver", one.solver},
+                            {"program", one.is_users() ? one.solver : program_of(one, view).string()}};
+    else
+      lines[one.name] = {{"solver", one.solver}};
+  return lines;
+}
+
+bool starts_by_hand(const std::vector<std::string>& by_hand, const SideView& side) {
+  return std::any_of(by_hand.begin(), by_hand.end(), [&](const std::string& name) {
+    return name == side.side || (side.is_body && name == "structure");
+  });
+}
+
+void check_by_hand(const std::vector<std::string>& by_hand, const CaseView& view) {
+  const std::vector<const SideView*> sides = view.sides();
+  for (const std::string& name : by_hand) {
+    const auto is_meant = [&](const SideView* side) { return starts_by_hand({name}, *side); };
+    const auto is_program = [&](const AttachmentKeys& one) { return one.name == name && one.is_program(); };
+    if (std::any_of(sides.begin(), sides.end(), is_meant) ||
+        std::any_of(view.attachments.begin(), view.attachments.end(), is_program))
+      continue;
+    throw Error(ExitCode::command_line, "--attach", "the case has no " + name,
+                "--attach names sides and attachments that a program computes");
+  }
+}
+
+void check_precice_names(const std::string& side, const ForeignKeys& keys) {
+  if (keys.precice_config.empty()) return;
+  const PreciceConfig config = PreciceConfig::read(keys.precice_config);
+  std::vector<std::string> known;
+  for (const PreciceConfig::Data& data : config.data) known.push_back(data.name);
+  for (const std::string& rule : keys.precice_names) {
+    const std::string name = rule.substr(0, rule.find('='));
+    if (config.find_data(name)) continue;
+    const std::string nearest = did_you_mean(name, known);
+    throw Error(ExitCode::case_file, fmt::format("{}.precice: \"{}\"", side, rule),
+                fmt::format("{} is no data of {}", name, config.file.string()),
+                nearest.empty() ? fmt::format("it has {}", fmt::join(known, ", "))
+                                : fmt::format("did you mean \"{}\"?", nearest));
+  }
+}
+
+}  // namespace strake

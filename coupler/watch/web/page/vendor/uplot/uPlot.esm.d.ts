@@ -1,2 +1,0 @@
-import uPlot from './uPlot';
-export default uPlot;
