@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <string>
+
 namespace strake::structure {
 
 /// x ↦ R (s x) + move: R turns about the axis through the origin.
@@ -14,6 +16,9 @@ struct Placing {
   Eigen::Matrix3d turn() const;                           // R
   Eigen::Matrix3d map() const { return scale * turn(); }  // s R
 };
+
+/// A key for a turn of at most `most` degrees to either side.
+NumberKey turn_key(double most, const std::string& help);
 
 /// Reads [structure.placed]. Throws Error(case_file) where the body's shape is not placed, or where the axis
 /// would turn a body out of its plane.
