@@ -2,6 +2,7 @@
 
 #include "coupler/case/attached_programs.hpp"
 #include "coupler/case/precice_names.hpp"
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/case/sides_by_hand.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
@@ -366,7 +367,6 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   });
   if (!read) throw refused.front();
   const CommonKeys common = *read;
-
   CaseView view{.path = file.path(),
                 .folder = file.folder(),
                 .hash = file.hash(),
@@ -393,6 +393,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   collect([&] { check_attached_programs(view, by_hand); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
+  say_shares(view);
   return view;
 }
 
