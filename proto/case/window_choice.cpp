@@ -218,7 +218,11 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   }
   const double every = first_of(file, "output.every", 0);
   bound(choice, every, "as long as output.every");
+  // Frames lie evenly in time, since the times of frames are ends of windows. So a case with another
+  // output.every may have other windows, and results that differ by the error of a window.
+  const double undivided = round_window(choice.window);
   choice.window = round_window(choice.window, std::max(0.0, every));
+  if (choice.window < undivided) choice.why += fmt::format("; {:g} s divides output.every", choice.window);
   const double step = first_of(file, "fluid.scheme.time_step", 0);
   if (step > choice.window) {
     choice.window = step;
