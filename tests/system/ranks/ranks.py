@@ -273,7 +273,7 @@ def crowded():
         echo = pathlib.Path(cwd) / "runs/plate_entry/case.toml"
         expect(f"{each} for each of the 2 ranks of fluid" in echo.read_text(), "so does case.toml")
         done = strake("check", echo, cwd=cwd)
-        expect(f"2 ranks of {each} thread" in done.stdout, "a run of case.toml divides again\n" + done.stdout + done.stderr)
+        expect(f"2 ranks of {each} thread" in done.stdout, f"a run of case.toml divides again\n{done.stderr}")
 
 
 def refusals():
