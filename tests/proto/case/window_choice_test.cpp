@@ -60,6 +60,13 @@ TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
   EXPECT_FALSE(read_with(with(plate, {"fluid.submerged=true"})).chosen.level);
 }
 
+// At 0.25 degrees the wetted edge runs along the plate at 229 V: as fast as sound at 6.6 m/s.
+TEST(WindowChoice, APlateTiltedByADegreeIsLevelAsABoxIs) {
+  for (const char* angle : {"0.25", "-0.5", "1"})
+    EXPECT_EQ(window_with(with(plate, {std::string("structure.plate.angle=") + angle})), 1e-5) << angle;
+  EXPECT_FALSE(read_with(with(plate, {"structure.plate.angle=1.5"})).chosen.level);
+}
+
 TEST(WindowChoice, ASectionOrAnInclinedBoxHasNoLevelFace) {
   const Sets box = {"structure.box=[{min=[0,0.1],max=[1,0.2]}]", "structure.velocity=[0,-6]"};
   const auto turned = [&box](const std::string& placed) {
