@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/case/side_programs.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
@@ -364,7 +365,6 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   });
   if (!read) throw refused.front();
   const CommonKeys common = *read;
-
   CaseView view{.path = file.path(),
                 .folder = file.folder(),
                 .hash = file.hash(),
@@ -391,6 +391,7 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
   collect([&] { check_attached_programs(view, by_hand); });
   if (!refused.empty()) throw all_of(refused);
   resolve(file, view);
+  say_shares(view);
   return view;
 }
 

@@ -34,6 +34,12 @@ bool stays_here(const std::string& launcher) {
   return true;
 }
 
+/// Whether the ranks of a side divide the processors of machines that only they know.
+bool divides_elsewhere(const CaseView& view, const SideView& side) {
+  return ranks_of(view, side) > 1 && !view.common.threads_given &&
+         !stays_here(at_or(view.value, table_of(side) + ".launcher"));
+}
+
 }  // namespace
 
 std::string table_of(const SideView& side) {
@@ -47,6 +53,36 @@ int ranks_of(const CaseView& view, const SideView& side) {
 int threads_of(const CaseView& view, const SideView& side) {
   const int ranks = ranks_of(view, side);
   return ranks > 1 ? threads_of_rank(view.common, ranks, processors_here()) : view.common.threads;
+}
+
+int most_threads_of(const CaseView& view) {
+  int most = 1;
+  for (const SideView* side : view.sides()) most = std::max(most, threads_of(view, *side));
+  return most;
+}
+
+Json record_of(const CaseView& view, const SideView& side) {
+  Json record = {{"solver", side.solver}, {"program", side.program.string()}};
+  if (ranks_of(view, side) > 1) record["ranks"] = ranks_of(view, side);
+  if (!divides_elsewhere(view, side)) record["threads"] = threads_of(view, side);
+  return record;
+}
+
+void say_shares(CaseView& view) {
+  if (view.common.threads_given) return;
+  std::string shares;
+  for (const SideView* side : view.sides()) {
+    if (ranks_of(view, *side) == 1) continue;
+    const std::string own = divides_elsewhere(view, *side) ? "a share of the processors of its machine"
+                                                           : fmt::format("{}", threads_of(view, *side));
+    shares += fmt::format(", {} for each of the {} ranks of {}", own, ranks_of(view, *side), side->side);
+  }
+  const std::string line = fmt::format("\nthreads = {}  # default\n", view.common.threads);
+  const std::size_t at = view.resolved.find("[run]" + line);
+  if (shares.empty() || at == std::string::npos) return;
+  view.resolved.replace(
+      at + std::string_view("[run]").size(), line.size(),
+      fmt::format("\n# threads is not given: {} for a solver{}\n", view.common.threads, shares));
 }
 
 std::vector<std::string> crowd_lines(const CaseView& view, int processors) {

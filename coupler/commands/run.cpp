@@ -1,4 +1,5 @@
 #include "coupler/case/case_view.hpp"
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/case/side_programs.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/commands/run_messages.hpp"
@@ -122,9 +123,8 @@ class Run {
     record_.set("case", std::filesystem::absolute(case_.path).string());
     record_.set("tag", folder_.tag);
     record_.set("set", case_.sets);
-    record_.set("threads", case_.common.threads);
-    for (const SideView* side : case_.sides())
-      programs_[side->side] = {{"solver", side->solver}, {"program", side->program.string()}};
+    record_.set("threads", most_threads_of(case_));
+    for (const SideView* side : case_.sides()) programs_[side->side] = record_of(case_, *side);
     if (const Json lines = record_attachments(case_, programs_); !lines.empty())
       record_.set("attachments", lines);
     record_.set("participants", programs_);

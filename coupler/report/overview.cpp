@@ -30,6 +30,13 @@ std::string solvers(const Recorded& run) {
   return text.empty() ? "–" : text;
 }
 
+/// The threads of a process, with the ranks of sides that have several: "2 (fluid: 2 ranks × 1)".
+std::string threads_cell(const Origin& origin) {
+  const std::string shown = quantity(origin.threads, "1");
+  if (origin.ranks.empty()) return number_cell(origin.threads, shown);
+  return number_cell(origin.threads, fmt::format("{} ({})", shown, fmt::join(origin.ranks, ", ")));
+}
+
 /// The word after an option in a command line of the case's first lines.
 std::string option_in(const std::string& line, const std::string& option) {
   const std::size_t at = line.find(option + " ");
@@ -59,9 +66,8 @@ std::string what_was_run(const std::vector<Recorded>& runs) {
   for (const Recorded& run : runs) {
     table.row({escape(run.name), state_badge(run), solvers(run), quantity_cell(run.end_time, "s"),
                quantity_cell(run.windows, "1"), quantity_cell(run.mean_iterations, "1"),
-               number_cell(run.wall_seconds, duration(run.wall_seconds)),
-               quantity_cell(run.origin.threads, "1"), escape(run.origin.host),
-               "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
+               number_cell(run.wall_seconds, duration(run.wall_seconds)), threads_cell(run.origin),
+               escape(run.origin.host), "<span class=\"n\">" + escape(minute(run.origin.started)) + "</span>",
                escape(run.origin.version + (run.origin.commit.empty() ? "" : " (" + run.origin.commit + ")")),
                escape(run.origin.compiler)});
     for (const std::string& problem : run.problems)

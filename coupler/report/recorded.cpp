@@ -108,6 +108,12 @@ void read_record(const Json& record, Recorded& run) {
     for (const auto& [side, participant] : member(record, list).items())
       if (const std::string solver = string_of(participant, "solver"); !solver.empty())
         run.solver[side] = solver;
+  for (const auto& [side, participant] : member(record, "participants").items())
+    if (const auto ranks = number_of(participant, "ranks")) {
+      const auto threads = number_of(participant, "threads");  // none: they divide other machines
+      run.origin.ranks.push_back(fmt::format("{}: {:g} ranks{}", side, *ranks,
+                                             threads ? fmt::format(" × {:g}", *threads) : std::string()));
+    }
   for (const auto& [probe, time] : member(record, "contact").items())
     if (time.is_number()) run.contact[probe] = time.get<double>();
   if (const auto text = read_text(string_of(record, "case"))) run.notes = notes_of(*text);

@@ -35,7 +35,8 @@ struct Origin {
   std::string version, commit, started, error;
   std::string host, compiler;
   std::vector<std::string> command;
-  std::optional<double> threads;
+  std::optional<double> threads;   // of one process at most
+  std::vector<std::string> ranks;  // of a side that has several: "fluid: 2 ranks × 1"
 };
 
 /// How a check turned out: "good" up to the first bound, "poor" up to the second, else "bad".

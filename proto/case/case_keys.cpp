@@ -199,7 +199,8 @@ CommonKeys read_common(CaseFile& file) {
   surface.number("window", surface_window,
                  positive("s",
                           "exchange interval; the default is for a level face that meets the water, else "
-                          "it follows spacing, speed and structure (`strake check` says which and why)"));
+                          "it follows spacing, speed and structure and divides output.every where that is "
+                          "given (`strake check` says which and why)"));
   surface.choice(
       "interpolation", keys.interpolation, {"mean", "constant", "linear", "quadratic", "b-spline"},
       {.help = "what a structure with steps of its own feels in a window: the load's mean, or its "

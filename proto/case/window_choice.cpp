@@ -18,6 +18,7 @@ constexpr double travel = 0.05;                               // [l0] of the bod
 constexpr double gravity_steps = 4;                           // of 0.05 √(l0/g), fluid/THEORY.md (F63)
 constexpr double sound_travel = 20;                           // [l0] of the structure's sound in a window
 constexpr double layer_travel = 2;                            // [l0] of the water's sound in a window
+constexpr double level_angle = 1;                             // [deg] of a face that counts as level
 constexpr double rows = 100;                                  // of the history, at least
 constexpr double rows_of_water = 400;                         // the same for water alone
 constexpr double steel_young = 2.1e11, steel_density = 7800;  // [Pa], [kg/m³] where the case gives none
@@ -62,8 +63,8 @@ bool may_move(const CaseFile& file, const CommonKeys& keys) {
 }
 
 /// Whether a body of boxes stands on an edge or a corner: [structure.placed] turns all of its faces by more
-/// than one degree out of the level. Three directions are normal to faces; the turn by angle φ about the unit
-/// axis a gives each the height cos φ δ_iy + sin φ (a × e_i)_y + (1 − cos φ) a_i a_y (Rodrigues).
+/// than level_angle out of the level. Three directions are normal to faces; the turn by angle φ about the
+/// unit axis a gives each the height cos φ δ_iy + sin φ (a × e_i)_y + (1 − cos φ) a_i a_y (Rodrigues).
 bool is_turned(const CaseFile& file) {
   const double turn = first_of(file, "structure.placed.angle", 0) * std::numbers::pi / 180;
   std::vector<double> axis = file.numbers_at("structure.placed.axis");
@@ -72,7 +73,7 @@ bool is_turned(const CaseFile& file) {
   if (turn == 0 || norm == 0) return false;
   const double a = axis[0] / norm, b = axis[1] / norm, c = axis[2] / norm, s = std::sin(turn),
                t = 1 - std::cos(turn);
-  const double level = std::cos(std::numbers::pi / 180);
+  const double level = std::cos(level_angle * std::numbers::pi / 180);
   for (const double height : {c * s + a * b * t, 1 - t + b * b * t, -a * s + b * c * t})
     if (std::abs(height) >= level) return false;
   return true;
@@ -87,7 +88,7 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   if (!is_elastic(keys) && solver != "rigid") return true;
   for (const char* shape : {"mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (file.has(std::string("structure.") + shape)) return false;
-  if (norm_of(file, "structure.plate.angle", 0) > 0 || is_turned(file)) return false;
+  if (norm_of(file, "structure.plate.angle", 0) > level_angle || is_turned(file)) return false;
   return !file.is_true("fluid.submerged") && may_move(file, keys);
 }
 
@@ -218,7 +219,11 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   }
   const double every = first_of(file, "output.every", 0);
   bound(choice, every, "as long as output.every");
+  // Frames lie evenly in time, since the times of frames are ends of windows. So a case with another
+  // output.every may have other windows, and results that differ by the error of a window.
+  const double undivided = round_window(choice.window);
   choice.window = round_window(choice.window, std::max(0.0, every));
+  if (choice.window < undivided) choice.why += fmt::format("; {:g} s divides output.every", choice.window);
   const double step = first_of(file, "fluid.scheme.time_step", 0);
   if (step > choice.window) {
     choice.window = step;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace strake::structure {
@@ -59,6 +60,9 @@ struct Placing {
   Eigen::Matrix3d turn() const;                           // R
   Eigen::Matrix3d map() const { return scale * turn(); }  // s R
 };
+
+/// A key for a turn of at most `most` degrees to either side.
+NumberKey turn_key(double most, const std::string& help);
 
 /// Reads [structure.placed]. Throws Error(case_file) where the body's shape is not placed, or where the axis
 /// would turn a body out of its plane.

@@ -31,6 +31,10 @@ bool is_upright(const Eigen::Vector3d& axis) {
 
 }  // namespace
 
+NumberKey turn_key(double most, const std::string& help) {
+  return {.unit = "deg", .min = -most, .max = most, .help = help};
+}
+
 Eigen::Matrix3d Placing::turn() const {
   return Eigen::AngleAxisd(angle * std::numbers::pi / 180, axis.normalized()).toRotationMatrix();
 }
@@ -40,13 +44,10 @@ Placing read_placing(CaseTable structure, const Parameters& p, bool only_declare
       structure.table("placed", "where a body of structure.mesh, box, outline, offsets or wedge goes");
   Placing placing;
   t.number("scale", placing.scale, positive("1", "factor on all lengths, first: 0.001 for a mesh in mm"));
-  t.number(
-      "angle", placing.angle,
-      {.unit = "deg",
-       .min = -360,
-       .max = 360,
-       .help = "turn about the axis through the origin, counter-clockwise, second; particles stay on their "
-               "lattice, which is not turned"});
+  t.number("angle", placing.angle,
+           turn_key(360,
+                    "turn about the axis through the origin, counter-clockwise, second; particles stay on "
+                    "their lattice, which is not turned"));
   t.vector("axis", placing.axis,
            {.help = "of the turn; in two dimensions, and of an outline, a section or a wedge: z alone"});
   t.vector("move", placing.move, {.unit = "m", .help = "shift, last"});

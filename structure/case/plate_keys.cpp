@@ -1,5 +1,7 @@
 #include "structure/case/keys.hpp"
 
+#include "structure/case/keys.hpp"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -23,11 +25,9 @@ void read_plate(CaseTable t, Plate& plate) {
            {.unit = "m", .min = 0, .exclusive = true, .required = true, .help = "along y"});
   t.vector("bottom", plate.bottom, {.unit = "m", .help = "middle of the lower face"});
   t.number("angle", plate.angle,
-           {.unit = "deg",
-            .min = -89,
-            .max = 89,
-            .help = "against the horizontal, about the middle of the lower face; positive: the right end is "
-                    "higher. Particles stay on a lattice along the axes"});
+           turn_key(89,
+                    "against the horizontal, about the middle of the lower face; positive: the right end is "
+                    "higher. Particles stay on a lattice along the axes"));
   t.number("hollow", plate.hollow,
            {.unit = "m",
             .help = "depth of the lower face's ends under its middle, a parabola; less than 0: they lie "

@@ -6,7 +6,12 @@
 #include "proto/case/rank_threads.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -78,6 +83,50 @@ TEST(RankThreads, OfOtherMachinesAreNotJudged) {
     view.value["fluid.launcher"] = launcher;
     EXPECT_TRUE(crowd_lines(view, 2).empty()) << launcher;
   }
+}
+
+// The processors of the machine that runs the test, divided by four.
+TEST(RankThreads, ThatDivideAreRecordedAsEachRankTakesThem) {
+  CaseView view = four_ranks();
+  view.common.threads_given = false;
+  view.common.threads = 64;
+  const int share = std::max(1, processors_here() / 4);
+  const Json record = record_of(view, *view.fluid);
+  EXPECT_EQ(number_of(record, "ranks"), 4);
+  EXPECT_EQ(number_of(record, "threads"), share);
+  EXPECT_EQ(most_threads_of(view), share) << "water alone";
+  view.structures.push_back(
+      SideView{.side = "structure", .solver = "fem", .program = {}, .lines = {}, .echo = {}});
+  EXPECT_EQ(number_of(record_of(view, view.structures.front()), "threads"), 64) << "one process";
+  EXPECT_EQ(number_of(record_of(view, view.structures.front()), "ranks"), std::nullopt);
+  EXPECT_EQ(most_threads_of(view), 64);
+  view.value["fluid.launcher"] = "srun -n {ranks}";
+  EXPECT_EQ(number_of(record_of(view, *view.fluid), "threads"), std::nullopt) << "other machines";
+  view.common.threads_given = true;
+  EXPECT_EQ(number_of(record_of(view, *view.fluid), "threads"), 64);
+}
+
+TEST(RankThreads, ThatDivideAreToldInCaseTomlWhichDividesAgain) {
+  const std::string text = "end_time = 1\n\n[run]\nthreads = 3  # default\ncheckpoint = 60  # s, default\n";
+  CaseView view = four_ranks();
+  view.resolved = text;
+  say_shares(view);
+  EXPECT_EQ(view.resolved, text) << "the case gives them";
+  view.common.threads_given = false;
+  say_shares(view);
+  EXPECT_EQ(view.resolved,
+            fmt::format("end_time = 1\n\n[run]\n# threads is not given: 3 for a solver, {} for each of the 4 "
+                        "ranks of fluid\ncheckpoint = 60  # s, default\n",
+                        std::max(1, processors_here() / 4)));
+  view.resolved = text;
+  view.value["fluid.launcher"] = "srun -n {ranks}";
+  say_shares(view);
+  EXPECT_NE(view.resolved.find("a share of the processors of its machine for each of the 4 ranks"),
+            std::string::npos);
+  view.resolved = text;
+  view.value["fluid.ranks"] = "1";
+  say_shares(view);
+  EXPECT_EQ(view.resolved, text) << "one process";
 }
 
 TEST(RankThreads, OfAStudyAreDividedByTheMostRanks) {

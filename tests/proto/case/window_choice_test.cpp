@@ -60,6 +60,13 @@ TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
   EXPECT_FALSE(read_with(with(plate, {"fluid.submerged=true"})).chosen.level);
 }
 
+// At 0.25 degrees the wetted edge runs along the plate at 229 V: as fast as sound at 6.6 m/s.
+TEST(WindowChoice, APlateTiltedByADegreeIsLevelAsABoxIs) {
+  for (const char* angle : {"0.25", "-0.5", "1"})
+    EXPECT_EQ(window_with(with(plate, {std::string("structure.plate.angle=") + angle})), 1e-5) << angle;
+  EXPECT_FALSE(read_with(with(plate, {"structure.plate.angle=1.5"})).chosen.level);
+}
+
 TEST(WindowChoice, ASectionOrAnInclinedBoxHasNoLevelFace) {
   const Sets box = {"structure.box=[{min=[0,0.1],max=[1,0.2]}]", "structure.velocity=[0,-6]"};
   const auto turned = [&box](const std::string& placed) {
@@ -84,6 +91,10 @@ TEST(WindowChoice, FollowsSpacingAndSpeed) {
   EXPECT_EQ(window_with(with(wedge, {"end_time=0.002"})), 2e-5) << "a hundred rows of the history";
   EXPECT_EQ(window_with(with(wedge, {"output.every=4e-5"})), 4e-5);
   EXPECT_EQ(window_with(with(wedge, {"output.every=3e-4", "fluid.spacing=0.008"})), 5e-5) << "divides it";
+  const WindowChoice shortened = read_with(with(wedge, {"output.every=1.8e-4"})).chosen;
+  EXPECT_EQ(shortened.window, 2e-5) << "1e-4 to 2.5e-5 do not divide it";
+  EXPECT_NE(shortened.why.find("; 2e-05 s divides output.every"), std::string::npos) << shortened.why;
+  EXPECT_EQ(read_with(with(wedge, {"output.every=4e-4"})).chosen.why.find("output.every"), std::string::npos);
   // A body let go: g end_time is its speed.
   EXPECT_EQ(window_with({"structure.solver=rigid", "structure.cylinder.radius=0.1", "structure.free.y=true",
                          "end_time=0.5"}),

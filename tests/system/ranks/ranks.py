@@ -1,6 +1,7 @@
 """The water on several ranks: the results of one rank, resumed runs, files in parts, ranks that die, stop or fail, refusals.
 ranks.py ROOT BIN"""
 import contextlib
+import json
 import os
 import pathlib
 import re
@@ -267,6 +268,12 @@ def crowded():
         log = (pathlib.Path(cwd) / "runs/plate_entry/fluid.log").read_text()
         each = max(1, processors // 2)
         expect(f"2 of 2 ranks on this machine, {each} thread" in log, "the ranks divide the processors\n" + log)
+        record = json.loads((pathlib.Path(cwd) / "runs/plate_entry/run.json").read_text())["participants"]
+        expect((record["fluid"]["ranks"], record["fluid"]["threads"]) == (2, each), f"run.json says what each rank takes: {record['fluid']}")
+        echo = pathlib.Path(cwd) / "runs/plate_entry/case.toml"
+        expect(f"{each} for each of the 2 ranks of fluid" in echo.read_text(), "so does case.toml")
+        done = strake("check", echo, cwd=cwd)
+        expect(f"2 ranks of {each} thread" in done.stdout, f"a run of case.toml divides again\n{done.stderr}")
 
 
 def refusals():
