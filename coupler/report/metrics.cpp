@@ -163,8 +163,8 @@ constexpr Check known_checks[] = {
     {"momentum_gap",
      "Momentum that no impulse on bodies, walls or by gravity accounts for, as a share of the "
      "scale of the impact",
-     "small against 1; particles that collide and pressures cut at zero "
-     "leave some per cent"},
+     "small against 1; what faces and water at a body's contact line say of the pressure differs, in "
+     "space with few spacings by ten per cent of the body's impulse and more"},
     {"structure_energy_drift",
      "Energy of the structure that neither loads nor damping account for, as a share "
      "of the largest energy",

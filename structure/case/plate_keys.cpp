@@ -1,7 +1,5 @@
 #include "structure/case/keys.hpp"
 
-#include "structure/case/keys.hpp"
-
 #include <Eigen/Geometry>
 
 #include <cmath>
