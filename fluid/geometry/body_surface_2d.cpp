@@ -229,8 +229,8 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
 }
 
 /// Lets the faces of a corner of more than a right angle end at its bisector. Water before such a corner lies
-/// past both faces, and must have one of them: with t = i − i', i and i' the directions from the corner along
-/// the face and along the other one,
+/// past both faces, and must have one of them (F85): with t = i − i', i and i' the directions from the corner
+/// along the face and along the other one,
 ///   inside(x) = (x − corner)·t/(i·t) .
 void BodySurface2d::meet_at_bisectors() {
   const std::vector<std::array<Ending, 2>> along = ends_;

@@ -309,9 +309,9 @@ bool BodySurface3d::separates(const Vector3& a, int near_a, const Vector3& b, in
   return grid_.cuts(a, b);
 }
 
-// Water before an edge of more than a right angle lies past both faces, and must have one of them. It has
-// the nearer: at the height h over a face, the plane that halves the angle α lies h tan((π − α)/2) past the
-// edge. The edge nearest to the foot of x counts.
+// Water before an edge of more than a right angle lies past both faces, and must have one of them (F85). It
+// has the nearer: at the height h over a face, the plane that halves the angle α lies h tan((π − α)/2) past
+// the edge. The edge nearest to the foot of x counts.
 bool BodySurface3d::faces(int k, const Vector3& x) const {
   if (holds(k, x)) return true;
   const Vector3 arm = x - point_.col(k);
