@@ -147,8 +147,8 @@ class Boundary {
     else
       return body_surface_.within(point, x);
   }
-  /// Whether that face has corners of at most a right angle at all its ends. Those of plates and boxes have.
-  /// In space it is plane as well.
+  /// Whether that face has sharp corners at all its ends: of at most a right angle, in the plane no keels.
+  /// Those of plates and boxes have. In space it is plane as well.
   bool is_between_sharp_corners(int point) const {
     if constexpr (dim == 2)
       return body_surface_.is_between_sharp_corners(body_surface_.edge_of(point));

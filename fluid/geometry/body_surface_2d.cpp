@@ -116,6 +116,14 @@ void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<in
     if (!closed) {
       edge.start_angle = std::numbers::pi - angle[begin];
       edge.end_angle = std::numbers::pi - angle[end % n];
+      const auto faces_down = [&](std::size_t k) {  // the normal of a piece is (t.y, −t.x)
+        return (at(k + 1) - at(k)).normalized().x() > keel_lean;
+      };
+      const auto is_sharp = [&](std::size_t k, double inside) {
+        return inside < right_angle && !(faces_down(k + n - 1) && faces_down(k));
+      };
+      edge.start_sharp = is_sharp(begin, edge.start_angle);
+      edge.end_sharp = is_sharp(end, edge.end_angle);
     }
     edge.piece = length.back() / edge.count;
     reference_.conservativeResize(2, edge.first + edge.count);
@@ -228,7 +236,7 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
   }
 }
 
-/// Lets the faces of a corner of more than a right angle end at its bisector. Water before such a corner lies
+/// Lets the faces of a corner that is not sharp end at its bisector. Water before such a corner lies
 /// past both faces, and must have one of them (F85): with t = i − i', i and i' the directions from the corner
 /// along the face and along the other one,
 ///   inside(x) = (x − corner)·t/(i·t) .
@@ -238,7 +246,8 @@ void BodySurface2d::meet_at_bisectors() {
     for (const bool last : {false, true}) {
       const Edge& edge = edges_[r];
       const double angle = last ? edge.end_angle : edge.start_angle;
-      if (edge.closed || angle < right_angle || angle >= std::numbers::pi) continue;
+      const bool sharp = last ? edge.end_sharp : edge.start_sharp;
+      if (edge.closed || sharp || angle >= std::numbers::pi) continue;
       const Ending& other = along[static_cast<std::size_t>(last ? edge.next : edge.previous)][last ? 0 : 1];
       Ending& own = ends_[r][last ? 1 : 0];
       const Vector2 direction = own.inwards / own.length, across = direction - other.inwards / other.length;
@@ -321,13 +330,13 @@ bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
 
 bool BodySurface2d::is_between_sharp_corners(int edge) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
-  return !r.closed && r.start_angle < right_angle && r.end_angle < right_angle;
+  return r.start_sharp && r.end_sharp;
 }
 
 BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
   const Ending& end = ends_[static_cast<std::size_t>(edge)][last ? 1 : 0];
-  return {end.place, end.inside(x), !r.closed && (last ? r.end_angle : r.start_angle) < right_angle};
+  return {end.place, end.inside(x), last ? r.end_sharp : r.start_sharp};
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {

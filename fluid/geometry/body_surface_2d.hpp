@@ -34,6 +34,9 @@ class BodySurface2d {
     double piece = 0;                         // reference length of a piece [m]
     // Angle inside the body at its corners [rad], in the reference; π where it has none.
     double start_angle = std::numbers::pi, end_angle = std::numbers::pi;
+    // Whether water leaves the body there: a corner of at most a right angle that is no keel. Both faces of a
+    // keel look down, in the reference.
+    bool start_sharp = false, end_sharp = false;
   };
 
   BodySurface2d() = default;
@@ -85,7 +88,7 @@ class BodySurface2d {
   struct End {
     Vector2 place;
     double inside;
-    bool sharp;  // a corner of at most a right angle, where water leaves the body
+    bool sharp;  // water leaves the body there
   };
   End end_of(int edge, bool last, const Vector2& x) const;
   bool is_between_sharp_corners(int edge) const;

@@ -14,6 +14,8 @@ inline constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the 
 /// Largest angle inside a body at which water leaves its corner: that of plates and boxes, with room for
 /// round-off.
 inline constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad]
+/// A corner is a keel where the normals of both faces point down by more than this, the sine of 15 degrees.
+inline constexpr double keel_lean = 0.2588;
 /// Two triangles that turn by less lie in one plane.
 inline constexpr double flat_angle = 1e-4;  // [rad]
 

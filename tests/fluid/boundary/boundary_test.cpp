@@ -12,6 +12,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 namespace strake::fluid {
 namespace {
@@ -184,43 +185,50 @@ TEST(BodySurface2d, TheWayAroundACornerGrowsFromTheStraightOne) {
 }
 
 TEST(BodySurface2d, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
-  const BodySurface2d outline(polygon(with_corner(90)), l0);
-  const auto& run = outline.edges()[0];
-  const Eigen::Vector2d start = outline.vertex(run.vertex), end = outline.vertex(run.vertex + run.count);
-  const Eigen::Vector2d along = (end - start).normalized(), out(along.y(), -along.x());
-  // It starts at a right angle, and ends at one of 135 degrees, at whose bisector the face ends.
-  const double bisector = 0.4 * std::tan(std::numbers::pi / 8);
-  for (const double past : {-0.7, 0.3, 2.0}) {
-    EXPECT_NEAR(outline.within(0, start + past * l0 * along + 0.4 * l0 * out), past * l0, 1e-12);
-    EXPECT_NEAR(outline.within(0, end - past * l0 * along + 0.4 * l0 * out), (past + bisector) * l0, 1e-12);
+  const BodySurface2d plate(rectangle(-0.2, 0, 0.4, 0.02, l0), l0), keel(polygon(with_corner(90)), l0);
+  // The keel's face ends at the bisectors, of its right angle and of one of 135 degrees.
+  for (const auto& [outline, at_start, at_end] :
+       {std::tuple(&plate, 0.0, 0.0), std::tuple(&keel, 0.4, 0.4 * std::tan(std::numbers::pi / 8))}) {
+    const auto& run = outline->edges()[0];
+    const Eigen::Vector2d start = outline->vertex(run.vertex), end = outline->vertex(run.vertex + run.count);
+    const Eigen::Vector2d along = (end - start).normalized(), out(along.y(), -along.x());
+    for (const double past : {-0.7, 0.3, 2.0}) {
+      EXPECT_NEAR(outline->within(0, start + past * l0 * along + 0.4 * l0 * out), (past + at_start) * l0,
+                  1e-12);
+      EXPECT_NEAR(outline->within(0, end - past * l0 * along + 0.4 * l0 * out), (past + at_end) * l0, 1e-12);
+    }
   }
 }
 
-// Water before a blunt corner has the nearer face, before a sharp one it may have none.
-TEST(BodySurface2d, APlaceBeforeABluntCornerLiesOverOneFace) {
-  for (const double angle : {60.0, 90.0, 110.0, 160.0, 172.0, 200.0}) {
+// Water before a blunt corner or a keel has the nearer face, before another sharp one it may have none.
+TEST(BodySurface2d, APlaceBeforeABluntCornerOrAKeelLiesOverOneFace) {
+  for (const double angle : {24.0, 60.0, 90.0, 110.0, 160.0, 172.0, 200.0}) {
     const BodySurface2d outline(polygon(with_corner(angle)), l0);
-    const auto& left = outline.edges()[4];  // it ends at the corner, where edge 0 begins
-    ASSERT_EQ(left.next, 0);
+    ASSERT_EQ(outline.edges()[4].next, 0);  // edge 4 ends at the corner, where edge 0 begins
     const Eigen::Vector2d apex = outline.vertex(0);
     const Eigen::Vector2d right = (outline.vertex(1) - apex).normalized();
     const double half = 0.5 * angle * std::numbers::pi / 180;
+    const bool sharp = angle < 30;  // steeper than 75 degrees the faces of a keel hardly look down
+    EXPECT_EQ(outline.edges()[0].start_sharp, sharp) << angle;
+    EXPECT_EQ(outline.edges()[4].end_sharp, sharp) << angle;
     for (int k = -9; k <= 9; ++k) {  // straight down, and up to 0.9 of the way to the faces
       const double turn = 0.1 * k * (std::numbers::pi - half);
       const Eigen::Vector2d place = apex + 0.4 * l0 * Eigen::Vector2d(std::sin(turn), -std::cos(turn));
       const bool on_right = outline.within(0, place) >= 0, on_left = outline.within(4, place) >= 0;
       if (angle > 180) {
         EXPECT_TRUE(on_right || on_left);
-      } else if (angle > 91 && k != 0) {
+      } else if (sharp) {
+        EXPECT_EQ(on_right, (place - apex).dot(right) >= 0) << angle << ' ' << k;
+      } else if (k != 0) {
         EXPECT_EQ(on_right, k > 0) << angle << ' ' << k;
         EXPECT_EQ(on_left, k < 0) << angle << ' ' << k;
-      } else if (angle < 91) {
-        EXPECT_EQ(on_right, (place - apex).dot(right) >= 0) << angle << ' ' << k;
       }
     }
     // Over the face itself the distance from its end is as before.
     EXPECT_NEAR(outline.within(0, apex + 0.7 * l0 * right), 0.7 * l0, 1e-12) << angle;
   }
+  const BodySurface2d plate(rectangle(-0.2, 0, 0.4, 0.02, l0), l0);
+  for (int edge = 0; edge < 4; ++edge) EXPECT_TRUE(plate.is_between_sharp_corners(edge));
 }
 
 // Behind a corner the dummy layers are as full as behind a flat face. The test compares the sum of the
