@@ -35,7 +35,7 @@ Points nodes_of(const std::filesystem::path& file) {
 MeshExtent read_mesh_extent(const std::filesystem::path& file) {
   const Points nodes = nodes_of(file);
   MeshExtent extent;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3 && nodes.cols() > 0; ++k) {
     extent.min[k] = nodes.row(static_cast<Eigen::Index>(k)).minCoeff();
     extent.max[k] = nodes.row(static_cast<Eigen::Index>(k)).maxCoeff();
   }

@@ -160,7 +160,7 @@ def refusals_help(place):
             ("wedge --spacing 0.2 -o x.toml", 2, "a tenth of the width"), ("plate --thickness 0.3 -o x.toml", 2, "a quarter of the length"),
             ("plate --solver particle --thickness 0.0137 -o x.toml", 2, "--solver fem"), ("plate --solver fme -o x.toml", 2, "fem"),
             ("dam --height 9 -o x.toml", 2, "ten widths"), ("cylinder --mass -1 -o x.toml", 2, "expected 0.001"), ("mesh -o x.toml", 2, "--mesh"), ("mesh --mesh nothing.msh -o x.toml", 3, "nothing.msh"),
-            (f"mesh --mesh {ROOT / 'README.md'} -o x.toml", 3, "no nodes"), ("wegde -o x.toml", 2, "did you mean wedge?"),
+            (f"mesh --mesh {ROOT / 'README.md'} -o x.toml", 3, "ends in .msh"), ("wegde -o x.toml", 2, "did you mean wedge?"),
             ("box.stl -o x.toml", 2, "strake new mesh box.stl"), ("mesh --mesh box.stl --scale 0 -o x.toml", 2, "expected 1e-06 to 1e+06: factor"),
             ("", 2, "expected a kind of case"), ("wedge -o none/x.toml", 6, "none")):
         refused = strake("new", *words.split(), cwd=place)
