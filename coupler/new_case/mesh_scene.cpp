@@ -5,12 +5,14 @@
 #include "proto/error.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 #include "proto/mesh_files/stl.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace strake {
@@ -24,6 +26,9 @@ struct MeshExtent {
 /// The nodes of a mesh file, 3×n; an STL file gives the corners of its triangles.
 Points nodes_of(const std::filesystem::path& file) {
   if (is_stl(file)) return read_stl(file);
+  if (const std::string ending = lower_case(file.extension().string()); ending != ".msh" && ending != ".inp")
+    throw Error(ExitCode::case_file, file.string(), "a mesh file ends in .msh (Gmsh), .inp (Abaqus) or .stl",
+                "gmsh -2 -format msh41 FILE.geo");
   const MeshText mesh = read_mesh_text(file);
   Points nodes(3, static_cast<Eigen::Index>(mesh.node.size()));
   Eigen::Index k = 0;

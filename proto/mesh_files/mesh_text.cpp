@@ -11,8 +11,7 @@ MeshText read_mesh_text(const std::filesystem::path& path) {
   const std::string ending = lower_case(path.extension().string());
   if (ending == ".msh") return read_gmsh(path);
   if (ending == ".inp") return read_abaqus(path);
-  throw Error(ExitCode::case_file, path.string(),
-              "a mesh file ends in .msh (Gmsh), .inp (Abaqus) or, of a rigid body in space, .stl",
+  throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
               "gmsh -2 -format msh41 FILE.geo");
 }
 
