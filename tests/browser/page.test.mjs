@@ -76,7 +76,7 @@ describe('a run that goes on', () => {
 
   test('is shown from its start to its end', async () => {
     await until('its title', async () => await text(page, 'title') === 'flat-plate entry');
-    assert.match(await text(page, 'state'), /starting|running/);
+    await until('its state', async () => /starting|running/.test(await text(page, 'state')));  // its status comes after its title
     await until('the first frame', async () => (await text(page, 'when')).startsWith('frame'));
     assert.match(await text(page, 'state'), /starting|running/, 'a frame is shown before the run has ended');
     const early = await page.locator('#progress').evaluate((p) => /** @type {HTMLProgressElement} */ (p).value);
