@@ -1,5 +1,6 @@
 #include "structure/particle/lattice.hpp"
 
+#include "structure/body/wall.hpp"
 #include "structure/particle/sites.hpp"
 
 #include <fmt/format.h>
@@ -114,7 +115,7 @@ Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, Cla
   Lattice<dim> lattice;
   lattice.spacing = spacing;
   lattice.extent = high - low + Cell::Ones();
-  lattice.layers = static_cast<int>(std::lround(thinnest(solid) / spacing));
+  lattice.layers = std::max(1, static_cast<int>(std::lround(wall_thickness(solid) / spacing)));
   lattice.parts = solid.parts;
   const auto n = static_cast<Index>(sites.size());
   lattice.cell.resize(dim, n);
@@ -164,23 +165,6 @@ MassProperties mass_of(const Lattice<dim>& lattice) {
 }
 
 namespace {
-
-/// The largest length that all distances between planes are whole multiples of [m].
-double common_measure(const Solid& solid) {
-  double measure = 0;
-  for (const std::vector<double>& plane : solid.plane)
-    for (std::size_t k = 1; k < plane.size(); ++k) {
-      double a = plane[k] - plane[k - 1], b = measure;
-      const double round_off = 1e-7 * a;
-      while (b > round_off) {  // Euclid
-        const double rest = a - b * std::floor(a / b + 1e-7);
-        a = b;
-        b = std::max(rest, 0.0);
-      }
-      measure = a;
-    }
-  return measure;
-}
 
 /// The part that ends at a plane, for planes cut other parts too.
 std::string part_at_plane(const Solid& solid, int axis, double coordinate) {

@@ -203,6 +203,18 @@ TEST(ParticleSolver, BendingStressInTheFaceOfAStripIsWithinAFewPercent) {
   }
 }
 
+TEST(ParticleSolver, ItsLinesSayThatNothingHoldsTheBody) {
+  const auto held = [](const Parameters& p) {
+    for (const std::string& line : ParticleSolver<2>(p).lines())
+      if (line.find("nothing holds the body") != std::string::npos) return false;
+    return true;
+  };
+  Parameters p = paper_plate(4);
+  EXPECT_TRUE(held(p));
+  p.plate.left = p.plate.right = Support::free;
+  EXPECT_FALSE(held(p));
+}
+
 // A face of 15 degrees cuts a cell at its middle here: the cell had a particle that was not clamped, and one
 // in the clamp beside it had bonds along one line alone. The stable step was not a number.
 TEST(ParticleSolver, AnObliqueClampHoldsTheCellThatItCutsInTheMiddle) {
