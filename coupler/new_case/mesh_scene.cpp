@@ -115,6 +115,20 @@ std::string size_warning(std::array<double, 3> lengths, int dimension, double sc
   return {};
 }
 
+/// Says in comments what makes the body an elastic one.
+void elastic_instead(double mass, CaseLines& lines) {
+  lines.comment("Elastic in place of rigid: solver = \"fem\" or \"particle\", and these lines.")
+      .comment("[structure.material]")
+      .comment("density = 2700.0                      # kg/m^3, aluminium; its mass is that of the cells")
+      .comment("young = 7.0e10                        # Pa")
+      .comment("poisson = 0.33")
+      .comment("[[structure.support]]                 # without one nothing holds or drives the body")
+      .comment("on = \"NAME\"                           # a face that the file names")
+      .comment("kind = \"clamped\"                      # or pinned, roller, symmetry");
+  if (mass > 0)
+    lines.comment("lumped.mass takes the place of mass above: what the supports carry beside the cells.");
+}
+
 }  // namespace
 
 NewScene mesh_scene(const NewAnswers& answers) {
@@ -154,6 +168,8 @@ NewScene mesh_scene(const NewAnswers& answers) {
         .key("placed.axis", "[1.0, 0.0, 0.0]", "the file's x");
   else if (s.dimension == 3)
     lines.comment("The file's y points up. A file whose z does: strake new mesh --up z.");
+  if (answers.mesh.extension() != ".stl" && answers.mesh.extension() != ".STL")
+    elastic_instead(answers.value("mass"), lines);
   s.body = lines.str();
   return s;
 }

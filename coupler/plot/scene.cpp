@@ -292,6 +292,16 @@ RunFrames find_frames(const std::filesystem::path& folder) {
   return run;
 }
 
+double lattice_spacing(const Frame& frame) {
+  std::vector<double> way;
+  for (Index i = 1; i < frame.position.cols(); ++i)
+    way.push_back((frame.position.col(i) - frame.position.col(i - 1)).norm());
+  if (way.empty()) return 0;
+  const auto middle = way.begin() + static_cast<std::ptrdiff_t>(way.size() / 2);
+  std::nth_element(way.begin(), middle, way.end());
+  return *middle;
+}
+
 Scene read_scene(const RunFrames& run, const SceneOptions& options) {
   const auto& [folder, keys, fluid, structure, bodies] = run;
   Scene scene;
@@ -321,6 +331,7 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
       cut = middle_cut(keys, frame, 0);
     }
     scene.solid_spacing = number(keys, table_of(body) + ".particle.spacing", scene.spacing);
+    if (scene.solid_spacing == 0) scene.solid_spacing = lattice_spacing(frame);  // it followed the body
     if (at_or(keys, "coupling.interface") == "volume" && scene.spacing > 0)
       scene.solid_spacing = scene.spacing;
     const bool has = find(frame.point_data, options.field) != nullptr && options.field != "velocity";

@@ -100,6 +100,8 @@ std::optional<Points> deformation(const std::map<std::string, std::string>& keys
 /// Of several bodies in one frame: each less its own rigid motion. parts: where each begins.
 std::optional<Points> deformation(const std::map<std::string, std::string>& keys, const Frame&,
                                   const std::vector<MeshPart>& parts);
+/// Distance of the particles of a lattice [m]: the median of those of points that follow one another.
+double lattice_spacing(const Frame&);
 /// The shown range of values: from zero where the least is but a small part of the largest.
 Range shown_range(std::vector<double> values);
 

@@ -18,6 +18,9 @@ namespace {
 // 1.2e-6, sphere 4e-6, plate with steps that share the water's positions 0.4e-6. Iterations of a window: V
 // section of finite elements 3.9, plate 1.8, free cylinder and sphere 1.1 to 1.6, driven bodies 1.
 constexpr double plane_seconds = 1.2e-6, space_seconds = 4e-6, shared = 1.0 / 3;
+// Of an elastic particle and sub-step: V section of aluminium 0.6e-7 in the plane, 12 neighbours; in
+// space 90.
+constexpr double plane_elastic_seconds = 0.6e-7, space_elastic_seconds = 4e-7;
 constexpr double elastic_iterations = 3, free_iterations = 1.5;
 constexpr double jet = 4;            // fastest water over the body's speed, about
 constexpr double sound_step = 2e-6;  // [s] the step where a level face meets the water
@@ -69,6 +72,21 @@ double iterations_of(const CaseView& view) {
   return view.moves_freely() ? free_iterations : 1;
 }
 
+/// Time of the elastic particles of a window [s], from "1 600 particles of the structure 1.25 mm apart". A
+/// sub-step is about the time of the P wave from one to the next (structure/THEORY.md (S30)).
+double elastic_seconds(const CaseView& view, const std::string& text) {
+  const std::string words = "particles of the structure";
+  const double count = count_of(text, words), young = view.number("structure.material.young").value_or(0),
+               density = view.number("structure.material.density").value_or(0),
+               poisson = view.number("structure.material.poisson").value_or(0);
+  if (count == 0 || !(young > 0) || !(density > 0)) return 0;
+  const double distance = 1e-3 * std::strtod(text.c_str() + text.find(words) + words.size(), nullptr);
+  const double c = std::sqrt(young * (1 - poisson) / (density * (1 + poisson) * (1 - 2 * poisson)));
+  const bool plane = view.number("fluid.dimension").value_or(2) < 2.5;
+  return count * std::ceil(view.common.window * c / distance) *
+         (plane ? plane_elastic_seconds : space_elastic_seconds);
+}
+
 std::string step_reason(const CaseView& view, const Pace& pace) {
   const double given = view.number("fluid.scheme.time_step").value_or(infinite);
   if (given <= pace.step * (1 + 1e-9)) {
@@ -106,15 +124,18 @@ std::optional<Pace> pace_of(const CaseView& view) {
   pace.windows = std::ceil(view.common.end_time / pace.window - 1e-9);
   pace.steps = pace.windows * std::ceil(pace.window / pace.step - 1e-9);
   pace.iterations = iterations_of(view);
+  double elastic = 0;
   for (const SideView* side : view.sides()) {
     for (const std::string& text : lines_with(size_words, *side)) {
       pace.bytes += memory_behind_colon(text);
       pace.particles += count_of(text, "water particles") + count_of(text, "wall particles");
+      elastic += elastic_seconds(view, text);
     }
   }
   const bool plane = view.number("fluid.dimension").value_or(2) < 2.5;
   pace.seconds = pace.particles * pace.steps * pace.iterations * (plane ? plane_seconds : space_seconds);
   if (sound && pace.step <= sound_step) pace.seconds *= shared;
+  pace.seconds += elastic * pace.windows * pace.iterations;
   return pace;
 }
 

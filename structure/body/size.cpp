@@ -3,6 +3,8 @@
 #include "structure/body/mass.hpp"
 #include "structure/body/surface.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -103,7 +105,7 @@ SizeEstimates lattice_sizes(const Parameters& p) {
   const std::string key = p.interface == "volume" ? "fluid.spacing" : "structure.particle.spacing";
   std::vector<SizeEstimate::Key> keys = {{key, d, -static_cast<double>(dim)}};
   add(keys, lengths(p));
-  SizeEstimates all = {{.what = "particles of the structure",
+  SizeEstimates all = {{.what = fmt::format("particles of the structure {:.3g} mm apart", 1e3 * d),
                         .count = volume_of(solid) / cell,
                         .bytes_each = own_bytes + bond_bytes * bonds,
                         .seconds_each = seconds,

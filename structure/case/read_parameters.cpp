@@ -4,6 +4,7 @@
 #include "proto/case/rank_threads.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
+#include "structure/body/wall.hpp"
 #include "structure/case/keys.hpp"
 #include "structure/failure/softening.hpp"
 #include "structure/particle/failure.hpp"
@@ -50,8 +51,13 @@ void read_load(CaseTable t, CaseLoad& load) {
 
 void read_particle(CaseTable t, ParticleKeys& particle, bool volume) {
   particle.model = volume ? ParticleModel::pair : ParticleModel::total_lagrangian;
-  t.number("spacing", particle.spacing,
-           positive("m", "surface coupling; volume coupling uses fluid.spacing"));
+  particle.spacing = 0;
+  t.number(
+      "spacing", particle.spacing,
+      {.unit = "m",
+       .min = 0,
+       .help = "surface coupling; 0: four layers across the walls, and forty particles along the longest "
+               "side; volume coupling uses fluid.spacing"});
   t.choice("model", particle.model,
            {{"pair", ParticleModel::pair}, {"total_lagrangian", ParticleModel::total_lagrangian}},
            {.help = "volume coupling: pair unless given"});
@@ -227,6 +233,7 @@ void check_plate_lattice(CaseTable plate, const std::string& source, const Param
 void check_lattice(const CaseFile& file, CaseTable structure, const CommonKeys& common, Parameters& p) {
   const bool volume = common.interface == "volume";
   if (volume) p.particle.spacing = p.fluid_spacing;
+  if (p.particle.spacing == 0) p.particle.spacing = particle_spacing(elastic_solid(p));
   const std::string source = volume ? "fluid.spacing" : "structure.particle.spacing";
   if (p.shape.kind == ShapeKind::plate) check_plate_lattice(structure.table("plate"), source, p);
   CaseTable t = structure.table("particle");

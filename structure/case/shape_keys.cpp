@@ -174,7 +174,10 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
         !(key == std::string_view("pivot") && p.motion && p.motion->turns()))
       throw t.error(
           key, fmt::format("nothing: it belongs to rigid bodies, and structure.solver is \"{}\"", p.kind),
-          fmt::format("leave {} out, or structure.solver = \"rigid\"", key));
+          key == std::string_view("mass")
+              ? "lumped.mass = what stands on the supports, beside the cells' own; or structure.solver = "
+                "\"rigid\""
+              : fmt::format("leave {} out, or structure.solver = \"rigid\"", key));
   if (p.kind != "rigid" && p.kind != "replay") check_frame(t, p);
   CaseTable free = t.table("free");
   if (p.dimension == 2) {

@@ -35,10 +35,12 @@ double length_of(const Eigen::Matrix<int, dim, 1>& offset) {
 template <int dim>
 Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
   using Cell = Eigen::Matrix<int, dim, 1>;
-  const int reach = static_cast<int>(std::floor(radius)), width = 2 * reach + 1;
+  // Two particles that stand beside the middles of their cells may be nearer than these.
+  const double nearer = 2 * std::sqrt(lattice.shift.colwise().squaredNorm().maxCoeff());
+  const int reach = static_cast<int>(std::floor(radius + nearer)), width = 2 * reach + 1;
   struct Offset {
     Cell to;
-    double weight;
+    double length;  // [spacing]
   };
   Bonds<dim> bonds;
   std::vector<Offset> offsets;
@@ -47,9 +49,9 @@ Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
     Cell to;
     for (int axis = dim - 1, rest = k; axis >= 0; --axis, rest /= width) to[axis] = rest % width - reach;
     const double r = length_of<dim>(to);
-    if (!(r > 0 && r < radius)) continue;
-    offsets.push_back({to, radius / r - 1});
-    bonds.n0 += offsets.back().weight;
+    if (!(r > 0 && r < radius + nearer)) continue;
+    offsets.push_back({to, r});
+    if (r < radius) bonds.n0 += radius / r - 1;
   }
 
   const Eigen::Index n = lattice.size();
@@ -61,11 +63,15 @@ Bonds<dim> make_bonds(const Lattice<dim>& lattice, double radius) {
     for (const Offset& offset : offsets) {
       const Cell there = here + offset.to;
       const Eigen::Index j = lattice.index(there);
-      if (j < 0 || !hang_together<dim>(lattice, here, there)) continue;
-      const Eigen::Matrix<double, dim, 1> r = offset.to.template cast<double>() * lattice.spacing;
+      if (j < 0) continue;
+      const Eigen::Matrix<double, dim, 1> beside = lattice.shift.col(j) - lattice.shift.col(i);
+      const double length =
+          beside.isZero(0) ? offset.length : (offset.to.template cast<double>() + beside).norm();
+      if (!(length < radius) || !hang_together<dim>(lattice, here, there)) continue;
+      const Eigen::Matrix<double, dim, 1> r = (offset.to.template cast<double>() + beside) * lattice.spacing;
       bonds.neighbour.push_back(j);
       r0.insert(r0.end(), r.data(), r.data() + dim);
-      w.push_back(offset.weight);
+      w.push_back(radius / length - 1);
     }
     bonds.start.push_back(static_cast<Eigen::Index>(bonds.neighbour.size()));
   }

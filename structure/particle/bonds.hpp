@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <vector>
 
 namespace strake::structure {
@@ -11,9 +12,9 @@ namespace strake::structure {
 template <int dim>
 using Tensors = Eigen::Matrix<double, dim * dim, Eigen::Dynamic>;  // one column-major tensor per particle
 
-/// The fixed neighbours of the reference lattice, rows sorted by index (CSR), with all that depends on them
-/// alone. Weight w⁰ = r_e/|r⁰| − 1 (structure/THEORY.md (S18)). Bonds do not cross gaps of the body: between
-/// two neighbours there is a path through lattice cells that share faces.
+/// The fixed neighbours of the reference configuration, rows sorted by index (CSR), with all that depends on
+/// them alone. Weight w⁰ = r_e/|r⁰| − 1 (structure/THEORY.md (S18)). Bonds do not cross gaps of the body:
+/// between two neighbours there is a path through lattice cells that share faces.
 template <int dim>
 struct Bonds {
   std::vector<Eigen::Index> start;      // n+1
@@ -43,6 +44,13 @@ void find_shape(Bonds<dim>&, Eigen::Index i);
 ///   F_i = (Σ_j w⁰ r_ij⊗r⁰_ij) A_i⁻¹ ,  r_ij = r⁰_ij + u_j − u_i      (exact for linear fields)
 template <int dim>
 Tensors<dim> displacement_gradient(const Bonds<dim>&, const Vectors<dim>& displacement);
+
+/// Weights of the particles' stresses at a place of the body, n: the least-squares linear field through those
+/// around that have bonds on all sides (structure/THEORY.md (S45)). Empty where there are too few of the same
+/// part.
+template <int dim>
+std::optional<Eigen::VectorXd> extrapolation(const Lattice<dim>&, const Bonds<dim>&,
+                                             const Eigen::Vector3d& X);
 
 /// Loops over fewer particles than this run on one thread: waking the others costs more than the work.
 inline constexpr Eigen::Index parallel_from = 4000;

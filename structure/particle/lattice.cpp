@@ -1,5 +1,6 @@
 #include "structure/particle/lattice.hpp"
 
+#include "structure/body/wall.hpp"
 #include "structure/particle/sites.hpp"
 
 #include <fmt/format.h>
@@ -66,10 +67,13 @@ void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool
           const auto found = sites.find(at);
           return found == sites.end() || !found->second.inside ? nullptr : &found->second;
         };
-        // Behind the face; of an oblique one the cell that the face cuts may have its particle or not.
+        // Behind the face. An oblique face cuts a cell, which may have its particle or not.
         at[axis] = static_cast<int>(std::lround(crossing)) - (direction > 0 ? 1 : 0);
+        const bool cuts_next =
+            direction * (crossing - static_cast<double>(std::lround(crossing))) > file_decimals;
+        if (cuts_next) at[axis] += direction;
         Site* last = inside();
-        for (int k = 0; last == nullptr && k < 2; ++k) {
+        for (int k = 0; last == nullptr && k < (cuts_next ? 3 : 2); ++k) {
           at[axis] -= direction;
           last = inside();
         }
@@ -90,9 +94,11 @@ void clamp_facet(const Solid& solid, int facet, double spacing, int beyond, bool
 }  // namespace
 
 template <int dim>
-Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, ClampColumn clamp) {
+Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, ClampColumn clamp,
+                          Places places) {
   using Cell = typename Lattice<dim>::Cell;
-  Placement<dim> placement = solid.along_axes() ? filled<dim>(solid, spacing) : sampled<dim>(solid, spacing);
+  Placement<dim> placement =
+      solid.along_axes() ? filled<dim>(solid, spacing) : sampled<dim>(solid, spacing, places);
   // Two beyond a clamp at least, else the reach of a bond.
   const int beyond = std::max(2, static_cast<int>(std::floor(radius)));
   for (const SupportedFace& face : solid.supported)
@@ -109,11 +115,12 @@ Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, Cla
   Lattice<dim> lattice;
   lattice.spacing = spacing;
   lattice.extent = high - low + Cell::Ones();
-  lattice.layers = static_cast<int>(std::lround(thinnest(solid) / spacing));
+  lattice.layers = std::max(1, static_cast<int>(std::lround(wall_thickness(solid) / spacing)));
   lattice.parts = solid.parts;
   const auto n = static_cast<Index>(sites.size());
   lattice.cell.resize(dim, n);
   lattice.position.resize(dim, n);
+  lattice.shift.resize(dim, n);
   lattice.share.resize(n);
   lattice.number.assign(static_cast<std::size_t>(lattice.extent.template cast<long>().prod()), -1);
   Index i = 0;
@@ -122,7 +129,8 @@ Lattice<dim> make_lattice(const Solid& solid, double spacing, double radius, Cla
     std::size_t k = 0;
     for (int axis = 0; axis < dim; ++axis) {
       k = k * static_cast<std::size_t>(lattice.extent[axis]) + static_cast<std::size_t>(at[axis] - low[axis]);
-      lattice.position(axis, i) = placement.origin[axis] + (at[axis] + 0.5) * spacing;
+      lattice.shift(axis, i) = site.shift[axis];
+      lattice.position(axis, i) = placement.origin[axis] + (at[axis] + 0.5 + site.shift[axis]) * spacing;
     }
     lattice.share[i] = site.share;
     lattice.number[k] = static_cast<int>(i++);
@@ -157,23 +165,6 @@ MassProperties mass_of(const Lattice<dim>& lattice) {
 }
 
 namespace {
-
-/// The largest length that all distances between planes are whole multiples of [m].
-double common_measure(const Solid& solid) {
-  double measure = 0;
-  for (const std::vector<double>& plane : solid.plane)
-    for (std::size_t k = 1; k < plane.size(); ++k) {
-      double a = plane[k] - plane[k - 1], b = measure;
-      const double round_off = 1e-7 * a;
-      while (b > round_off) {  // Euclid
-        const double rest = a - b * std::floor(a / b + 1e-7);
-        a = b;
-        b = std::max(rest, 0.0);
-      }
-      measure = a;
-    }
-  return measure;
-}
 
 /// The part that ends at a plane, for planes cut other parts too.
 std::string part_at_plane(const Solid& solid, int axis, double coordinate) {
@@ -239,7 +230,7 @@ SolidFault fault_of_samples(const Solid& solid, double spacing) {
                         thin / spacing, spacing),
             fmt::format("spacing = {:.6g}", thin / 4)};
   const MassProperties body = mass_of(solid);
-  const Lattice<dim> lattice = make_lattice<dim>(solid, spacing, 1.5);
+  const Lattice<dim> lattice = make_lattice<dim>(solid, spacing, 1.5, ClampColumn::inside, Places::cells);
   if (lattice.size() == 0) return {"no lattice cell lies in it", fmt::format("spacing = {:.6g}", thin / 4)};
   const MassProperties particles = mass_of(lattice);
   const double mass = particles.mass / body.mass - 1,
@@ -259,8 +250,8 @@ SolidFault lattice_fault(const Solid& solid, double spacing) {
   return solid.dimension == 2 ? fault_of_samples<2>(solid, spacing) : fault_of_samples<3>(solid, spacing);
 }
 
-template Lattice<2> make_lattice<2>(const Solid&, double, double, ClampColumn);
-template Lattice<3> make_lattice<3>(const Solid&, double, double, ClampColumn);
+template Lattice<2> make_lattice<2>(const Solid&, double, double, ClampColumn, Places);
+template Lattice<3> make_lattice<3>(const Solid&, double, double, ClampColumn, Places);
 template MassProperties mass_of<2>(const Lattice<2>&);
 template MassProperties mass_of<3>(const Lattice<3>&);
 

@@ -19,10 +19,15 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// Decimals of a case file, not physics [spacing].
 inline constexpr double file_decimals = 1e-6;
 
-/// A body as a square or cubic lattice of particles, numbered with x slowest. A particle stands where at
+/// Where the particles at the boundary stand that have a piece of a cell: in the middle of the piece, or in
+/// the middle of the cell.
+enum class Places { pieces, cells };
+
+/// A body as a square or cubic lattice of particles, numbered with x slowest. There is a particle where at
 /// least half of a lattice cell lies in the body. Bodies of boxes fill their cells exactly. In other bodies a
 /// particle at the boundary has the volume that its cell shares with the body. Volume in cells without a
-/// particle is added to their neighbours, so that mass and moment of inertia are the body's.
+/// particle is added to their neighbours, so that mass and moment of inertia are the body's. With
+/// Places::pieces the particle stands in the middle of its volume (structure/THEORY.md, section 5.1).
 ///
 /// A clamped face continues beyond the body, far enough to complete every bond of a free particle. With
 /// ClampColumn::inside the last particles inside are fixed too (their centres half a spacing from the face).
@@ -37,6 +42,7 @@ struct Lattice {
   Cell extent = Cell::Zero();                    // cells along each axis
   int layers = 0;                                // through the thinnest part
   Vectors<dim> position;                         // [m] reference
+  Vectors<dim> shift;                            // [spacing] of the position from the cell's middle
   std::vector<std::uint8_t> fixed;               // n
   std::vector<std::uint8_t> inside;              // n, within the body
   Eigen::VectorXd share;                         // n, volume over that of a lattice cell
@@ -67,7 +73,8 @@ struct Lattice {
   double cell_volume() const { return dim == 2 ? spacing * spacing : spacing * spacing * spacing; }
   double volume(Eigen::Index i) const { return share[i] * cell_volume(); }
   Eigen::Matrix<double, dim, 1> origin() const {  // [m] lower corner of cell 0
-    return position.col(0) - spacing * (cell.col(0).template cast<double>().array() + 0.5).matrix();
+    return position.col(0) -
+           spacing * (cell.col(0).template cast<double>().array() + 0.5 + shift.col(0).array()).matrix();
   }
 };
 
@@ -99,7 +106,7 @@ Points in_space(const Vectors<dim>& vectors) {
 /// The body must have no lattice_fault.
 template <int dim>
 Lattice<dim> make_lattice(const Solid&, double spacing, double radius /* [spacing] */,
-                          ClampColumn = ClampColumn::inside);
+                          ClampColumn = ClampColumn::inside, Places = Places::pieces);
 
 /// Why a lattice of this spacing cannot represent a body; an empty problem: it can. A body of boxes it must
 /// fill exactly. For other bodies mass and moment of inertia must be within 1 %. The fix is a spacing.
@@ -110,10 +117,10 @@ template <int dim>
 MassProperties mass_of(const Lattice<dim>&);
 
 /// Interpolates values on the particles to places in the body, m×n. Between the corners of a lattice cell
-/// that all have particles it is linear along each axis. Towards the faces it extrapolates by half a spacing.
-/// Beyond that, at the oblique faces of a mesh, it uses the least-squares linear field of the particles
-/// around. Rows sum to 1 and are exact for linear fields. So the transpose, for forces, keeps sum, moment and
-/// virtual work. Throws Error(case_file) for a place that is not in the body.
+/// that all have particles in their middles it is linear along each axis. Towards the faces it extrapolates
+/// by half a spacing. Beyond that, at the oblique faces of a mesh, it uses the least-squares linear field of
+/// the particles around. Rows sum to 1 and are exact for linear fields. So the transpose, for forces, keeps
+/// sum, moment and virtual work. Throws Error(case_file) for a place that is not in the body.
 template <int dim>
 SparseRows interpolation(const Lattice<dim>&, const Points& at);
 

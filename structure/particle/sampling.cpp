@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace strake::structure {
@@ -81,6 +82,18 @@ class Samples {
     return share;
   }
 
+  /// First moment of the samples of a lattice cell that lie in the body, about the cell's middle [spacing],
+  /// over the number of all samples.
+  Eigen::Vector3d moment(const Cell& cell) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const Cell from = (cell - first) * fineness;
+    for_each_cell<dim>(from, from + Cell::Constant(fineness), [&](const Cell& at) {
+      if (part_[index(at)] >= 0)
+        sum.head<dim>() += (((at - from).template cast<double>().array() + 0.5) / fineness - 0.5).matrix();
+    });
+    return sum / std::pow(fineness, dim);
+  }
+
   Cell first, end;  // lattice cells around the body
 
  private:
@@ -95,30 +108,44 @@ class Samples {
   std::vector<std::int16_t> part_;
 };
 
-/// Adds the volume of a cell without a particle to its neighbours. These are the ones over a side, or else
-/// those over a corner.
+/// What a piece of the body in a lattice cell has: its volume over that of a cell, and its first moment about
+/// the cell's middle [spacing].
+struct Piece {
+  double share = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+};
+
+/// Adds the piece in a cell without a particle to its neighbours. These are the ones over a side, or else
+/// those over a corner. The sites' shift is their moment until all have received theirs.
 template <int dim>
-void give_away(const Eigen::Matrix<int, dim, 1>& cell, double share, Sites<dim>& sites) {
+void give_away(const Eigen::Matrix<int, dim, 1>& cell, const Piece& piece, Sites<dim>& sites) {
   using Cell = Eigen::Matrix<int, dim, 1>;
-  std::vector<Site*> beside, further;
+  using Taker = std::pair<Site*, Cell>;
+  std::vector<Taker> beside, further;
   for_each_cell<dim>(cell - Cell::Ones(), cell + 2 * Cell::Ones(), [&](const Cell& at) {
     const auto found = sites.find(at);
     if (found == sites.end()) return;
-    ((at - cell).cwiseAbs().sum() == 1 ? beside : further).push_back(&found->second);
+    ((at - cell).cwiseAbs().sum() == 1 ? beside : further).emplace_back(&found->second, at);
   });
-  const std::vector<Site*>& takers = beside.empty() ? further : beside;
-  for (Site* site : takers) site->share += share / static_cast<double>(takers.size());
+  const std::vector<Taker>& takers = beside.empty() ? further : beside;
+  for (const auto& [site, at] : takers) {
+    const auto part = static_cast<double>(takers.size());
+    site->share += piece.share / part;
+    Eigen::Vector3d moment = piece.moment;
+    moment.head<dim>() += piece.share * (cell - at).template cast<double>();
+    site->shift += moment / part;
+  }
 }
 
 }  // namespace
 
 template <int dim>
-Placement<dim> sampled(const Solid& solid, double spacing) {
+Placement<dim> sampled(const Solid& solid, double spacing, Places places) {
   using Cell = Eigen::Matrix<int, dim, 1>;
   Placement<dim> placement;
   for (int axis = 0; axis < dim; ++axis) placement.origin[axis] = plane_of_lattice(solid, axis, spacing);
   const Samples<dim> samples(solid, placement.origin, spacing);
-  std::map<Cell, double, Before> rest;
+  std::map<Cell, Piece, Before> rest;
   for_each_cell<dim>(samples.first, samples.end, [&](const Cell& at) {
     double whole = 0, most = 0;
     Site site;
@@ -130,18 +157,23 @@ Placement<dim> sampled(const Solid& solid, double spacing) {
     }
     if (whole == 0) return;
     site.share = whole;
+    if (whole < 1) site.shift = samples.moment(at);
     site.fixed = solid.parts[static_cast<std::size_t>(site.part)].constrained;
     if (whole >= 0.5)
       placement.sites.emplace(at, site);
     else
-      rest.emplace(at, whole);
+      rest.emplace(at, Piece{whole, site.shift});
   });
   // Only cells that have a particle before this loop receive a rest, so that the order has no influence.
-  for (const auto& [at, share] : rest) give_away<dim>(at, share, placement.sites);
+  for (const auto& [at, piece] : rest) give_away<dim>(at, piece, placement.sites);
+  for (auto& [at, site] : placement.sites) {
+    site.shift /= site.share;
+    if (places == Places::cells) site.shift.setZero();
+  }
   return placement;
 }
 
-template Placement<2> sampled<2>(const Solid&, double);
-template Placement<3> sampled<3>(const Solid&, double);
+template Placement<2> sampled<2>(const Solid&, double, Places);
+template Placement<3> sampled<3>(const Solid&, double, Places);
 
 }  // namespace strake::structure

@@ -13,6 +13,7 @@ struct Site {
   int part = 0;
   bool fixed = false, inside = true;
   double share = 1;
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // [spacing] of the particle from the cell's middle
 };
 
 /// Cells in the order of their numbers: x slowest.
@@ -33,7 +34,7 @@ struct Placement {
 
 /// The cells of any body, by samples of its volume: see Lattice.
 template <int dim>
-Placement<dim> sampled(const Solid&, double spacing);
+Placement<dim> sampled(const Solid&, double spacing, Places);
 
 /// Calls `visit` with each line of lattice cells along an axis whose middle crosses a facet. A line is given
 /// as a cell of it (0 along the axis); the crossing is in spacings from the origin.

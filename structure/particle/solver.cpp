@@ -76,6 +76,12 @@ SparseRows volume_selection(const Lattice<dim>& lattice) {
   return N;
 }
 
+/// The pair model and the unified loop have weights and densities of a lattice without gaps.
+Places places_of(const Parameters& p) {
+  const bool lattice = p.particle.model == ParticleModel::pair || p.interface == "volume";
+  return lattice ? Places::cells : Places::pieces;
+}
+
 /// The loaded surface with points as near to one another as the particles, for the case's own load.
 InterfaceMesh fine_surface(const Parameters& p) {
   Parameters fine = p;
@@ -109,7 +115,8 @@ template <int dim>
 ParticleSolver<dim>::ParticleSolver(const Parameters& p)
     : parameters_(p),
       frame_(p),
-      lattice_(make_lattice<dim>(elastic_solid(p), p.particle.spacing, p.particle.radius, p.particle.clamp)),
+      lattice_(make_lattice<dim>(elastic_solid(p), p.particle.spacing, p.particle.radius, p.particle.clamp,
+                                 places_of(p))),
       bonds_(make_bonds<dim>(lattice_, p.particle.radius)),
       mass_(masses<dim>(lattice_)),
       fixed_mass_(fixed_mass<dim>(lattice_, mass_)),

@@ -21,6 +21,21 @@ std::string model_name(const ParticleKeys& keys) {
              : "pair model, rotation of the neighbourhood: angular momentum for small strains only";
 }
 
+/// Cauchy's stress of a displacement gradient H = F − 1, times the share that is intact:
+///   σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
+template <int dim>
+Stress cauchy_of(const Material& material, const Eigen::Matrix<double, dim, dim>& H, double integrity) {
+  using Matrix = Eigen::Matrix<double, dim, dim>;
+  const Matrix F = Matrix::Identity() + H;
+  const Matrix s = integrity * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
+  Stress stress;
+  if constexpr (dim == 2)
+    stress << s(0, 0), s(0, 1), 0, s(1, 1), 0, material.plane_stress ? 0 : material.poisson * s.trace();
+  else
+    stress << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
+  return stress;
+}
+
 }  // namespace
 
 template <int dim>
@@ -93,29 +108,24 @@ void ParticleSolver<dim>::read(const Archive& archive) {
   saved_ = state_;
 }
 
-//   σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
 template <int dim>
 Eigen::MatrixXd ParticleSolver<dim>::cauchy_stress() const {
-  using Matrix = Eigen::Matrix<double, dim, dim>;
   const Tensors<dim> H = displacement_gradient<dim>(bonds_, state_.displacement);
   Eigen::MatrixXd stress(6, lattice_.size());
-  for (Eigen::Index i = 0; i < lattice_.size(); ++i) {
-    const Material& material = lattice_.material(i);
-    const Matrix F = Matrix::Identity() + Eigen::Map<const Matrix>(H.col(i).data());
-    const Matrix s =
-        bonds_.integrity[i] * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
-    if constexpr (dim == 2)
-      stress.col(i) << s(0, 0), s(0, 1), 0, s(1, 1), 0,
-          material.plane_stress ? 0 : material.poisson * s.trace();
-    else
-      stress.col(i) << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
-  }
+  for (Eigen::Index i = 0; i < lattice_.size(); ++i)
+    stress.col(i) = cauchy_of<dim>(lattice_.material(i),
+                                   Eigen::Map<const Eigen::Matrix<double, dim, dim>>(H.col(i).data()),
+                                   bonds_.integrity[i]);
   return stress;
 }
 
 template <int dim>
 Stress ParticleSolver<dim>::stress_at(const Eigen::Vector3d& X) const {
-  return cauchy_stress() * interpolation<dim>(lattice_, X).transpose();
+  const Eigen::MatrixXd stress = cauchy_stress();
+  // Where bonds may break, few are left on all sides of the particles.
+  if (!failure_)
+    if (const auto weight = extrapolation<dim>(lattice_, bonds_, X)) return stress * *weight;
+  return stress * interpolation<dim>(lattice_, X).transpose();
 }
 
 template <int dim>

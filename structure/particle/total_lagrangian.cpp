@@ -2,18 +2,26 @@
 
 #include "structure/material/material.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 namespace strake::structure {
+namespace {
+
+/// The largest distance of two neighbours along an axis, in lattice cells.
+template <int dim>
+int reach_of(const Lattice<dim>& lattice, const Bonds<dim>& bonds) {
+  int reach = 0;
+  for (Eigen::Index i = 0; i < bonds.size(); ++i)
+    for (Eigen::Index b = bonds.first(i); b < bonds.end(i); ++b)
+      reach = std::max(reach, (lattice.cell.col(bonds.to(b)) - lattice.cell.col(i)).cwiseAbs().maxCoeff());
+  return reach;
+}
+
+}  // namespace
 
 template <int dim>
 TotalLagrangian<dim>::TotalLagrangian(const Lattice<dim>& lattice, const Bonds<dim>& bonds, double hourglass)
-    : lattice_(lattice),
-      bonds_(bonds),
-      stiffness_(bonds.size()),
-      influence_(
-          2 * static_cast<int>(std::lround(bonds.r0.colwise().template lpNorm<Eigen::Infinity>().maxCoeff() /
-                                           lattice.spacing))) {
+    : lattice_(lattice), bonds_(bonds), stiffness_(bonds.size()), influence_(2 * reach_of(lattice, bonds)) {
   for (Eigen::Index i = 0; i < bonds.size(); ++i)
     stiffness_[i] = hourglass * lattice.material(i).young * lattice.volume(i);
 }

@@ -8,12 +8,13 @@
 namespace strake::structure {
 
 SupportFrame::SupportFrame(const Parameters& p)
-    : free_{p.free.x, p.free.y, p.free.z},
+    : holds_(has_supports(elastic_solid(p))),
+      free_{p.free.x, p.free.y, p.free.z},
       mass_(p.body.lumped_mass),
       velocity_(p.velocity),
       pivot_(p.pivot.value_or(Eigen::Vector3d::Zero())),
       motion_(p.motion) {
-  if (!has_supports(elastic_solid(p))) free_ = {};
+  if (!holds_) free_ = {};
 }
 
 FrameState SupportFrame::start() const {
@@ -81,6 +82,7 @@ std::map<std::string, double> frame_monitor(const SupportFrame& frame, int dimen
 }
 
 std::string frame_line(const SupportFrame& frame, int dimension) {
+  if (!frame.holds()) return "no supports   nothing holds the body: it moves by its inertia and its loads";
   if (!tells(frame)) return {};
   std::string free;
   for (int axis = 0; axis < dimension; ++axis)

@@ -38,6 +38,8 @@ class SupportFrame {
   /// Removes an axis from the free ones if no support constrains the body along it. The frame has nothing to
   /// move there.
   void stays_out(Eigen::Index axis) { free_[static_cast<std::size_t>(axis)] = false; }
+  /// False: nothing holds the body.
+  bool holds() const { return holds_; }
   bool by_table() const { return motion_.has_value(); }
   bool turns() const { return motion_ && motion_->turns(); }
   /// Displacement and velocity that the turn adds to a constrained place: (R − 1)(X − pivot) and ω × R (X −
@@ -47,6 +49,7 @@ class SupportFrame {
   double mass() const { return mass_; }  // M [kg]
 
  private:
+  bool holds_;
   std::array<bool, 3> free_;
   double mass_;
   Eigen::Vector3d velocity_, pivot_;
@@ -58,6 +61,7 @@ class SupportFrame {
 std::vector<Column> frame_columns(const SupportFrame&, int dimension);
 std::map<std::string, double> frame_monitor(const SupportFrame&, int dimension, const FrameState&,
                                             const Eigen::Vector3d& reaction);
+/// What holds the body and how that moves, for the head of a run; empty for supports at a constant speed.
 std::string frame_line(const SupportFrame&, int dimension);
 
 /// Velocity [m/s] at t = 0 of an unconstrained place, relative to the supports.

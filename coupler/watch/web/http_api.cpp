@@ -1,6 +1,7 @@
 #include "coupler/watch/web/http_api.hpp"
 
 #include "coupler/plot/canvas.hpp"
+#include "coupler/plot/scene.hpp"
 #include "coupler/watch/select_run.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "proto/error.hpp"
@@ -118,6 +119,11 @@ HttpApi::Answer HttpApi::run() {
   const int dimension = static_cast<int>(run_.number("fluid.dimension").value_or(2));
   double solid_spacing = run_.number("structure.particle.spacing").value_or(0);
   const double spacing = run_.number("fluid.spacing").value_or(0);
+  if (solid_spacing == 0 && string_of(sides, "structure") == "particle") {
+    const std::lock_guard frames_alone(frames_mutex_);
+    if (!frames_.series("structure").entries.empty())
+      solid_spacing = picture::lattice_spacing(*frames_.read("structure", 0));
+  }
   if (spacing > 0 && (solid_spacing == 0 || at_or(run_.keys(), "coupling.interface") == "volume"))
     solid_spacing = spacing;
   return json_answer(

@@ -80,6 +80,15 @@ TEST(Scene, TheShownRangeLeavesOutSpikesAndBeginsAtZeroWhereThatIsNear) {
   EXPECT_LT(one.lo, one.hi);
 }
 
+TEST(Scene, TheSpacingOfALatticeIsFoundFromItsPoints) {
+  Frame frame;
+  frame.position = Points::Zero(3, 20);  // columns of four
+  for (Eigen::Index i = 0; i < 20; ++i)
+    frame.position.col(i) << 0.002 * static_cast<double>(i / 4), 0.002 * static_cast<double>(i % 4), 0;
+  EXPECT_NEAR(picture::lattice_spacing(frame), 0.002, 1e-15);
+  EXPECT_EQ(picture::lattice_spacing(Frame{}), 0);
+}
+
 TEST(Scene, TheDeformationOfAFreeBodyIsWithoutItsRigidMotion) {
   Points before(3, 5);
   before << 0, 1, 2, 1, 0.3, 0, 0.1, 0, -0.4, 0.2, 0, 0, 0, 0, 0;

@@ -51,6 +51,24 @@ TEST(Pace, CountsStepsParticlesAndMemory) {
   EXPECT_GT(pace_of(view)->seconds, pace->seconds) << "iterations";
 }
 
+// 121 sub-steps in each of 100 windows: 10 000 particles of steel in the plane take 7 s an iteration.
+TEST(Pace, CountsTheSubStepsOfElasticParticles) {
+  CaseView view = wedge();
+  view.structures.front().solver = "particle";
+  view.value["structure.material.young"] = "2.1e11";
+  view.value["structure.material.density"] = "7800";
+  view.value["structure.material.poisson"] = "0.3";
+  const double water = pace_of(view)->seconds;
+  view.structures.front().lines = {
+      "size   about 10 000 particles of the structure 5 mm apart, 90 000 places of its lattice: 60 MB"};
+  const double elastic = pace_of(view)->seconds - water;
+  EXPECT_GT(elastic, 5);
+  EXPECT_LT(elastic, 50);
+  view.structures.front().lines = {
+      "size   about 20 000 particles of the structure 2.5 mm apart, 90 000 places of its lattice: 60 MB"};
+  EXPECT_NEAR((pace_of(view)->seconds - water) / elastic, 4, 0.05);
+}
+
 TEST(Pace, IsSaidWithItsReasons) {
   const auto lines = pace_lines(wedge());
   EXPECT_TRUE(says(lines, "window 0.0001 s: of a reason"));

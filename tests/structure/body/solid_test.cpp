@@ -3,10 +3,13 @@
 #include "structure/body/mass.hpp"
 #include "structure/body/shape.hpp"
 #include "structure/body/surface.hpp"
+#include "structure/body/wall.hpp"
 #include "tests/structure/body/boxes.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace strake::structure {
 namespace {
@@ -24,6 +27,41 @@ std::vector<SolidBox> hull() {
           light_box("left", {-0.15, 0.01, 0}, {-0.14, 0.07, 0}),
           light_box("right", {0.14, 0.01, 0}, {0.15, 0.07, 0}),
           light_box("rib", {-0.005, 0.01, 0}, {0.005, 0.07, 0})};
+}
+
+/// A section of two panels that meet in a keel, 0.25 m to each side, as cells of a mesh.
+Solid v_section(double slope, double thickness) {
+  constexpr int cells = 20;
+  Solid solid;
+  solid.node = Points::Zero(3, 2 * (2 * cells + 1));
+  for (int k = -cells; k <= cells; ++k) {
+    const double x = 0.25 * k / cells;
+    solid.node.col(2 * (k + cells)) << x, std::abs(x) * slope, 0;
+    solid.node.col(2 * (k + cells) + 1) << x, std::abs(x) * slope + thickness * std::hypot(1, slope), 0;
+  }
+  solid.cell.resize(4, 2 * cells);
+  for (int c = 0; c < 2 * cells; ++c) solid.cell.col(c) << 2 * c, 2 * c + 2, 2 * c + 1, 2 * c + 3;
+  solid.part_of.assign(2 * cells, 0);
+  solid.parts = {{"panels", {}, false}};
+  find_facets(solid);
+  return solid;
+}
+
+// The box around the section is 72 mm high: its least side says nothing of the panels.
+TEST(Solid, ThicknessOfWallsAndTheSpacingOfTheirParticles) {
+  const Solid v = v_section(std::tan(0.26), 0.005);
+  EXPECT_NEAR(wall_thickness(v), 0.005, 1e-9);
+  EXPECT_NEAR(particle_spacing(v), 0.00125, 1e-9);
+  EXPECT_NEAR(particle_spacing(solid_of_boxes(2, hull())), 0.0025, 1e-12);
+  const auto plate = [](double length, double thickness) {
+    return solid_of_boxes(2, {light_box("plate", {0, 0, 0}, {length, thickness, 0})});
+  };
+  EXPECT_NEAR(particle_spacing(plate(0.4, 0.02)), 0.005, 1e-12);
+  EXPECT_NEAR(particle_spacing(plate(0.4, 0.012)), 0.002, 1e-12);   // six layers fill it
+  EXPECT_NEAR(particle_spacing(plate(0.401, 0.02)), 0.005, 1e-12);  // 20 would: it is refused with a remedy
+  EXPECT_NEAR(particle_spacing(plate(0.4, 0.2)), 0.01, 1e-12);      // a block: forty along it
+  const Solid space = solid_of_boxes(3, {light_box("panel", {0, 0, 0}, {0.4, 0.02, 0.3})});
+  EXPECT_NEAR(particle_spacing(space), 0.005, 1e-12);
 }
 
 TEST(Solid, OneBoxHasTheOutlineOfThePlate) {

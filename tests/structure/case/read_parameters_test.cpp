@@ -49,6 +49,7 @@ TEST(StructureKeys, DefaultsFollowFluidAndModel) {
   const Parameters surface = read_plate_case("particle");
   EXPECT_EQ(surface.surface_spacing, 0.01);  // fluid.spacing
   EXPECT_EQ(surface.particle.model, ParticleModel::total_lagrangian);
+  EXPECT_NEAR(surface.particle.spacing, 0.25 * surface.plate.thickness, 1e-12);  // four layers
   EXPECT_EQ(surface.particle.clamp, ClampColumn::inside);
   EXPECT_EQ(surface.gravity.y(), -9.81);
   EXPECT_EQ(surface.plate.left, Support::clamped);
@@ -93,6 +94,7 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   says(complaint("fem", {"structure.plate.lenght=1"}), "did you mean length");
   says(complaint("fem", {"structure.box=[{}]"}), "one shape, and structure.plate is given too");
   says(complaint("fem", {"structure.plate.thickness=0"}), "thickness");
+  says(complaint("fem", {"structure.mass=40"}), "lumped.mass");
   says(complaint("fem", {"fluid.dimension=3"}), "a length along z");
   says(complaint("particle", {"structure.plane=stress", "structure.material.model=neo_hookean"}),
        "structure.plane");

@@ -89,6 +89,10 @@ def options_arrive(place):
     strake("new", "mesh", "--mesh", ROOT / "cases" / "flag.msh", "-o", "off.toml", cwd=place)
     checked = strake("check", "off.toml", cwd=place)
     expect(checked.returncode == 0, f"a mesh away from the origin: exit {checked.returncode}\n{checked.stderr}")
+    elastic = re.sub(r"(?m)^# (\[|density|young|poisson|on|kind)", r"\1", (place / "off.toml").read_text()).replace("NAME", "cylinder")
+    (place / "elastic.toml").write_text(elastic.replace('solver = "rigid"', 'solver = "particle"' if particle else 'solver = "rigid"'))
+    checked = strake("check", "elastic.toml", cwd=place)
+    expect(checked.returncode == 0 or not particle, f"the lines of an elastic body: exit {checked.returncode}\n{checked.stderr}")
     stl = place / "box.stl"  # in mm, away from the origin along all axes
     stl.write_text(box_of_stl((2000, 500, -4000), (2400, 700, -3500)))
     made = strake("new", "mesh", "--mesh", "box.stl", "--scale", "0.001", "--spacing", "0.04", "-o", "box_stl.toml", cwd=place)
