@@ -147,10 +147,10 @@ void BodySurface3d::find_local_edges() {
                    theirs = patches_.area[static_cast<std::size_t>(border->other)];
       const bool owned =
           mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
-      const bool blunt = border->angle >= right_angle && border->angle < std::numbers::pi;
+      const bool halved = !border->sharp && border->angle < std::numbers::pi;
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle,
-                       blunt ? 1 / std::tan(0.5 * border->angle) : 0.0});
+                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->sharp,
+                       halved ? 1 / std::tan(0.5 * border->angle) : 0.0});
     }
     edge_start_.push_back(edge_.size());
   }
@@ -160,7 +160,7 @@ void BodySurface3d::find_local_edges() {
 void BodySurface3d::find_plane_patches() {
   between_sharp_corners_.assign(patches_.area.size(), 1);
   for (const auto& border : patches_.border)
-    if (!(border.angle < right_angle)) between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 0;
+    if (!border.sharp) between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 0;
   std::vector<int> first(patches_.area.size(), -1);  // triangle of each patch
   for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
     const auto patch = static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)]);

@@ -167,8 +167,10 @@ SurfacePatches find_patches(const InterfaceMesh& mesh) {
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
     if (left == right) continue;  // the end of an edge that fades out in a smooth surface
     const double angle = std::numbers::pi - edge.turn;
-    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle});
-    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle});
+    const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
+    const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));
+    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle, sharp});
+    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle, sharp});
   }
   return patches;
 }

@@ -11,11 +11,12 @@ namespace strake::fluid {
 /// The smooth parts of a closed surface of triangles, and the edges between them.
 struct SurfacePatches {
   /// An edge of a patch, in the order of its own triangle. angle: inside the body [rad], π where flat, less
-  /// where convex.
+  /// where convex. sharp: water leaves the body there, by the angle and both triangles' normals.
   struct Border {
     int patch = 0, triangle = 0, from = 0, to = 0;  // points of the mesh
     int other = 0;                                  // the patch beyond it
     double angle = 0;
+    bool sharp = false;
   };
   std::vector<int> of_triangle;
   std::vector<double> area;  // [m²] of each patch
