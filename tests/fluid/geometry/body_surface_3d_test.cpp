@@ -2,6 +2,7 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/fill.hpp"
+#include "fluid/scheme/step_data.hpp"
 #include "proto/error.hpp"
 #include "tests/fluid/solid_case.hpp"
 
@@ -265,6 +266,51 @@ TEST(BodySurface3d, EdgesOfAPrismAreSharpWhereTheCornersOfItsSectionAre) {
       }
     }
   EXPECT_EQ(keels, 6);  // two sides each: 45 degrees, 45 heeled, 60
+}
+
+TEST(BodySurface3d, TheWayAroundAKeelGrowsFromTheStraightOne) {
+  for (const double deadrise : {30.0, 45.0, 60.0}) {
+    const BodySurface3d wedge = prism(wedge_of(deadrise));
+    const double open = 0.7 * l0 * std::tan(deadrise * std::numbers::pi / 180);  // water ends there
+    for (const double up : {-0.3 * l0, 1e-9, 0.1 * l0, 0.9 * open}) {
+      const Vector3d a(-0.7 * l0, up, 0.01), b(0.7 * l0, up, 0.018);
+      const int near_a = wedge.near(a, reach).triangle, near_b = wedge.near(b, reach).triangle;
+      EXPECT_EQ(wedge.separates(a, near_a, b, near_b), up > 0) << deadrise << ' ' << up;
+      if (up < 0) continue;
+      const double way = std::hypot(2 * std::hypot(0.7 * l0, up), 0.8 * l0);  // unfolded about the keel
+      EXPECT_NEAR(wedge.way_around(a, near_a, b, near_b), way, 1e-12) << deadrise << ' ' << up;
+    }
+    EXPECT_TRUE(wedge.beside_corner({-0.7 * l0, 0, 0.01}, 0.8 * l0));
+    EXPECT_FALSE(wedge.beside_corner({-0.7 * l0, 0, 0.01}, 0.6 * l0));
+  }
+  // Around an edge of a box there is no way, however short.
+  const BodySurface3d box = box_body();
+  const Vector3d below(0.099, -0.001, 0), beside(0.101, 0.001, 0);
+  const int near_below = box.near(below, reach).triangle, near_beside = box.near(beside, reach).triangle;
+  EXPECT_EQ(box.way_around(below, near_below, beside, near_beside), std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(box.beside_corner(below, reach));
+}
+
+// Water on both sides of a keel keeps its pair, with the length of the way around it.
+TEST(BodySurface3d, AKeelThatComesBetweenAPairLengthensIt) {
+  Parameters p = basin(0.24, 0.1, l0, 0.4);
+  p.scheme = {};
+  p.scheme.gradient = Gradient::least_squares;
+  const InterfaceMesh body = structure::prism_surface(structure::outline(wedge_of(45), l0), 0.1, 0, l0);
+  Points up = Points::Zero(3, body.position.cols());
+  InterfaceMesh above = body;
+  above.position.row(1).array() += 0.3 * l0;
+  StepData<3> step(p, above, up, PairData::inverses, {});
+  up.row(1).setConstant(-0.8 * l0);  // the keel is 0.5 l0 under the level
+  step.boundary.move(step.state, up, Points::Zero(3, up.cols()), true);
+  step.state.position.col(0) << -0.9 * l0, -0.2 * l0, 0.01;
+  step.state.position.col(1) << 0.9 * l0, -0.2 * l0, 0.01;
+  step.search_neighbours();
+  const auto row = step.far->row(0);
+  const auto pair = std::find(row.begin(), row.end(), 1) - row.begin();
+  ASSERT_LT(pair, std::ssize(row));
+  EXPECT_NEAR(step.far->distances(0)[static_cast<std::size_t>(pair)], 2 * std::hypot(0.9 * l0, 0.3 * l0),
+              1e-9);
 }
 
 TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {
