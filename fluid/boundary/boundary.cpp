@@ -251,17 +251,24 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
       return body_surface_.crosses(point_of(row), near(other), state.position.col(other),
                                    state.position.col(row));
     const auto [a, b] = std::minmax(i, j);
-    return !body_surface_.separates(state.position.col(a), near(a), state.position.col(b), near(b));
+    if (!body_surface_.separates(state.position.col(a), near(a), state.position.col(b), near(b))) return true;
+    return around && b < water_ && way_around(state, a, b) < reach_;
   }
 }
 
 template <int dim>
 double Boundary<dim>::way_around(const State<dim>& state, std::int64_t i, std::int64_t j) const {
   const auto [a, b] = std::minmax(i, j);
-  if constexpr (dim == 2)
-    return body_surface_.way_around(state.position.col(a), state.position.col(b));
-  else
-    return (state.position.col(a) - state.position.col(b)).norm();
+  const Vector<dim> from = state.position.col(a), to = state.position.col(b);
+  if constexpr (dim == 2) {
+    return body_surface_.way_around(from, to);
+  } else {
+    const int near_from = triangle_near_[static_cast<std::size_t>(a)],
+              near_to = triangle_near_[static_cast<std::size_t>(b)];
+    if (!body_surface_.separates(from, near_from, to, near_to))
+      return tank_.periodic().separation(from, to).norm();
+    return body_surface_.way_around(from, near_from, to, near_to);
+  }
 }
 
 template <int dim>

@@ -103,12 +103,9 @@ class Boundary {
   /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
   /// corner is within reach.
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;
-  /// Whether particle i is within a pair's reach of a body's corner; in the plane alone.
+  /// Whether particle i is within a pair's reach of a body's corner; in space of a keel or a blunt edge.
   bool beside_corner(const State<dim>& state, std::int64_t i) const {
-    if constexpr (dim == 2)
-      return body_surface_.beside_corner(state.position.col(i), reach_);
-    else
-      return false;
+    return body_surface_.beside_corner(state.position.col(i), reach_);
   }
   /// Returns that way between water particles i and j [m]; infinity where the body separates them.
   double way_around(const State<dim>&, std::int64_t i, std::int64_t j) const;
@@ -147,8 +144,8 @@ class Boundary {
     else
       return body_surface_.within(point, x);
   }
-  /// Whether that face has sharp corners at all its ends: of at most a right angle, in the plane no keels.
-  /// Those of plates and boxes have. In space it is plane as well.
+  /// Whether that face has sharp corners at all its ends: of at most a right angle, and no keels. Those of
+  /// plates and boxes have. In space it is plane as well.
   bool is_between_sharp_corners(int point) const {
     if constexpr (dim == 2)
       return body_surface_.is_between_sharp_corners(body_surface_.edge_of(point));

@@ -116,14 +116,11 @@ void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<in
     if (!closed) {
       edge.start_angle = std::numbers::pi - angle[begin];
       edge.end_angle = std::numbers::pi - angle[end % n];
-      const auto faces_down = [&](std::size_t k) {  // the normal of a piece is (t.y, −t.x)
-        return (at(k + 1) - at(k)).normalized().x() > keel_lean;
+      const auto down = [&](std::size_t k) {  // the normal of a piece is (t.y, −t.x)
+        return (at(k + 1) - at(k)).normalized().x();
       };
-      const auto is_sharp = [&](std::size_t k, double inside) {
-        return inside < right_angle && !(faces_down(k + n - 1) && faces_down(k));
-      };
-      edge.start_sharp = is_sharp(begin, edge.start_angle);
-      edge.end_sharp = is_sharp(end, edge.end_angle);
+      edge.start_sharp = is_sharp_corner(edge.start_angle, down(begin + n - 1), down(begin));
+      edge.end_sharp = is_sharp_corner(edge.end_angle, down(end + n - 1), down(end));
     }
     edge.piece = length.back() / edge.count;
     reference_.conservativeResize(2, edge.first + edge.count);

@@ -28,6 +28,7 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
     : mesh_(partner),
       patches_(find_patches(partner)),
       points_(wet_points(partner, patches_, spacing)),
+      halved_edges_(patches_),
       spacing_(spacing),
       reach_(reach) {
   mesh_.name = "fluid";
@@ -62,7 +63,6 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
   find_local_edges();
-  find_plane_patches();
   add_layers();
 }
 
@@ -75,7 +75,9 @@ void BodySurface3d::move(const Points& displacement, const Points& velocity, boo
   if (places) now_ = mesh_.position + displacement;
   rate_ = velocity;
   bend(places);
-  if (places) grid_.build(now_, mesh_.faces, 2 * spacing_);
+  if (!places) return;
+  grid_.build(now_, mesh_.faces, 2 * spacing_);
+  halved_edges_.build(now_, 2 * spacing_);
 }
 
 // Computes the normals n and dn/dt from the area vectors of the triangles:
@@ -147,26 +149,11 @@ void BodySurface3d::find_local_edges() {
                    theirs = patches_.area[static_cast<std::size_t>(border->other)];
       const bool owned =
           mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
-      const bool blunt = border->angle >= right_angle && border->angle < std::numbers::pi;
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->angle < right_angle,
-                       blunt ? 1 / std::tan(0.5 * border->angle) : 0.0});
+                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->sharp,
+                       border->is_halved() ? 1 / std::tan(0.5 * border->angle) : 0.0});
     }
     edge_start_.push_back(edge_.size());
-  }
-}
-
-// A patch without an edge is the whole of a closed surface, which is not plane.
-void BodySurface3d::find_plane_patches() {
-  between_sharp_corners_.assign(patches_.area.size(), 1);
-  for (const auto& border : patches_.border)
-    if (!(border.angle < right_angle)) between_sharp_corners_[static_cast<std::size_t>(border.patch)] = 0;
-  std::vector<int> first(patches_.area.size(), -1);  // triangle of each patch
-  for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
-    const auto patch = static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)]);
-    if (first[patch] < 0) first[patch] = t;
-    if (face_normal_.col(t).cross(face_normal_.col(first[patch])).norm() > flat_angle)
-      between_sharp_corners_[patch] = 0;
   }
 }
 
@@ -309,7 +296,12 @@ bool BodySurface3d::separates(const Vector3& a, int near_a, const Vector3& b, in
   return grid_.cuts(a, b);
 }
 
-// Water before an edge of more than a right angle lies past both faces, and must have one of them (F85). It
+double BodySurface3d::way_around(const Vector3& a, int near_a, const Vector3& b, int near_b) const {
+  const auto patch = [&](int t) { return patches_.of_triangle[static_cast<std::size_t>(t)]; };
+  return halved_edges_.way_around(a, patch(near_a), b, patch(near_b), reach_);
+}
+
+// Water before a keel or a blunt edge lies past both faces, and must have one of them (F85). It
 // has the nearer: at the height h over a face, the plane that halves the angle α lies h tan((π − α)/2) past
 // the edge. The edge nearest to the foot of x counts.
 bool BodySurface3d::faces(int k, const Vector3& x) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/geometry/halved_edges.hpp"
 #include "fluid/geometry/surface_patches.hpp"
 #include "fluid/geometry/triangle_grid.hpp"
 #include "fluid/geometry/wet_points.hpp"
@@ -71,13 +72,18 @@ class BodySurface3d {
   /// Whether the body lies between two places of water. near_a, near_b: their nearest triangles (−1: none
   /// within reach).
   bool separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
-  /// Whether x lies over the patch of wet point k: not past its edges. An edge of more than a right angle is
-  /// passed at the plane that halves it.
+  /// Returns the way between two such places of water that the body separates, around the edge between their
+  /// nearest patches [m]. Around other edges than keels and blunt ones, and out of reach, there is none:
+  /// infinity.
+  double way_around(const Vector3& a, int near_a, const Vector3& b, int near_b) const;
+  /// Whether such an edge lies within that distance of x.
+  bool beside_corner(const Vector3& x, double distance) const { return halved_edges_.is_near(x, distance); }
+  /// Whether x lies over the patch of wet point k: not past its edges. A keel and an edge of more than a
+  /// right angle are passed at the plane that halves them.
   bool faces(int k, const Vector3& x) const;
   /// Returns the distance of x from the nearest edge of that patch, along the face [m]. It is negative past
   /// the edge, and infinite where no edge is near or x is past an edge that does not count.
-  /// `counts(sharp, place)` says which edges count. sharp: a corner of at most a right angle, where water
-  /// leaves the body.
+  /// `counts(sharp, place)` says which edges count. sharp: water leaves the body there (`is_sharp_corner`).
   template <class Counts>
   double within(int k, const Vector3& x, const Counts& counts) const;
   double within(int k, const Vector3& x) const {
@@ -85,7 +91,7 @@ class BodySurface3d {
   }
   /// Whether the patch of wet point k lies in one plane at the start and has such corners alone.
   bool is_between_sharp_corners(int k) const {
-    return between_sharp_corners_[static_cast<std::size_t>(edge_of(k))] != 0;
+    return patches_.between_sharp_corners[static_cast<std::size_t>(edge_of(k))] != 0;
   }
   bool inside(const Vector3& x) const { return grid_.inside(x); }
 
@@ -112,7 +118,6 @@ class BodySurface3d {
   /// the patch that lie near wet point k.
   template <class Visit>
   void for_each_near_edge(int k, const Vector3& x, const Visit& visit) const;
-  void find_plane_patches();
   void add_layers();
   void go_beyond();
   void add_beyond(const std::vector<const SurfacePatches::Border*>& chain);
@@ -126,15 +131,15 @@ class BodySurface3d {
   InterfaceMesh mesh_;
   SurfacePatches patches_;
   WetPoints points_;
+  HalvedEdges halved_edges_;
   double spacing_ = 0, reach_ = 0;
   std::vector<LayerParticle> layer_particles_;
   std::vector<int> point_in_;            // a wet point of each triangle
   std::vector<std::size_t> edge_start_;  // of each wet point
   std::vector<LocalEdge> edge_;
-  std::vector<std::uint8_t> between_sharp_corners_;  // of each patch
-  Eigen::Matrix3Xi patch_corner_;                    // corners of triangles, each patch with its own
-  Eigen::VectorXd patch_corner_scale_;               // 1/|Σ area vectors| of the reference [1/m²]
-  Points now_, rate_;                                // of the mesh's points
+  Eigen::Matrix3Xi patch_corner_;       // corners of triangles, each patch with its own
+  Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| of the reference [1/m²]
+  Points now_, rate_;                   // of the mesh's points
   Points point_, velocity_, normal_, normal_rate_, area_;
   Points face_normal_;  // of the triangles
   TriangleGrid grid_;

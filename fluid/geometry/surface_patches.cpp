@@ -142,6 +142,21 @@ Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
   return smooth;
 }
 
+/// Marks the plane patches with sharp edges alone. A patch without an edge is the whole of a closed surface,
+/// which is not plane.
+void find_plane_patches(const std::vector<Vector3>& area, SurfacePatches& patches) {
+  patches.between_sharp_corners.assign(patches.area.size(), 1);
+  for (const auto& border : patches.border)
+    if (!border.sharp) patches.between_sharp_corners[static_cast<std::size_t>(border.patch)] = 0;
+  std::vector<int> first(patches.area.size(), -1);  // triangle of each patch
+  for (std::size_t t = 0; t < area.size(); ++t) {
+    const auto patch = static_cast<std::size_t>(patches.of_triangle[t]);
+    if (first[patch] < 0) first[patch] = static_cast<int>(t);
+    const Vector3 normal = area[static_cast<std::size_t>(first[patch])].normalized();
+    if (area[t].normalized().cross(normal).norm() > flat_angle) patches.between_sharp_corners[patch] = 0;
+  }
+}
+
 }  // namespace
 
 SurfacePatches find_patches(const InterfaceMesh& mesh) {
@@ -167,9 +182,12 @@ SurfacePatches find_patches(const InterfaceMesh& mesh) {
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
     if (left == right) continue;  // the end of an edge that fades out in a smooth surface
     const double angle = std::numbers::pi - edge.turn;
-    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle});
-    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle});
+    const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
+    const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));
+    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle, sharp});
+    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle, sharp});
   }
+  find_plane_patches(area, patches);
   return patches;
 }
 

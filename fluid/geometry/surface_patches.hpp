@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <numbers>
 #include <vector>
 
 namespace strake::fluid {
@@ -11,15 +13,20 @@ namespace strake::fluid {
 /// The smooth parts of a closed surface of triangles, and the edges between them.
 struct SurfacePatches {
   /// An edge of a patch, in the order of its own triangle. angle: inside the body [rad], π where flat, less
-  /// where convex.
+  /// where convex. sharp: water leaves the body there, by the angle and both triangles' normals.
   struct Border {
     int patch = 0, triangle = 0, from = 0, to = 0;  // points of the mesh
     int other = 0;                                  // the patch beyond it
     double angle = 0;
+    bool sharp = false;
+    /// Whether the faces beside it meet in the plane that halves the angle (F85).
+    bool is_halved() const { return !sharp && angle < std::numbers::pi; }
   };
   std::vector<int> of_triangle;
   std::vector<double> area;  // [m²] of each patch
   std::vector<Border> border;
+  std::vector<std::uint8_t>
+      between_sharp_corners;  // of each patch: whether it is plane, with sharp edges alone
   int count() const { return static_cast<int>(area.size()); }
 };
 

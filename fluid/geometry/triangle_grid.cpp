@@ -74,6 +74,12 @@ void TriangleGrid::visit(const Cell& from, const Cell& to, Visit&& each) const {
       }
 }
 
+std::vector<int> TriangleGrid::in_box(const Vector3& low, const Vector3& high) const {
+  std::vector<int> found;
+  if (count_[0] > 0) visit(cell_of(low), cell_of(high), [&](int t) { found.push_back(t); });
+  return found;
+}
+
 // Finds the place of a triangle nearest to x. The normal equations of two edges give the weights of the foot
 // of the perpendicular. Where one of them is negative the nearest place lies on an edge.
 auto TriangleGrid::foot_on(int t, const Vector3& x) const -> Foot {

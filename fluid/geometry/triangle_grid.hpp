@@ -31,6 +31,9 @@ class TriangleGrid {
   /// Whether the straight line from a to b goes through a triangle.
   bool cuts(const Vector3& a, const Vector3& b) const;
 
+  /// Triangles that reach into the cells of that box; some more than once.
+  std::vector<int> in_box(const Vector3& low, const Vector3& high) const;
+
   const Vector3& low() const { return low_; }  // bounding box
   const Vector3& high() const { return high_; }
 

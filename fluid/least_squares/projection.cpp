@@ -13,8 +13,7 @@
 
 namespace strake::fluid {
 
-/// Whether a body has faces that are not between corners of at most a right angle, as those of plates and
-/// boxes are.
+/// Whether a body has faces that are not between sharp corners, as those of plates and boxes are.
 template <int dim>
 bool LeastSquaresScheme<dim>::has_oblique_faces(const Boundary<dim>& boundary) {
   if (boundary.volume()) return false;

@@ -59,8 +59,7 @@ State<dim> StepData<dim>::start(const InterfaceMesh& partner, const Ranks& all) 
 
 template <int dim>
 void StepData<dim>::search_neighbours() {
-  const bool around =
-      dim == 2 && p.scheme.gradient == Gradient::least_squares && !boundary.body_surface().empty();
+  const bool around = p.scheme.gradient == Gradient::least_squares && !boundary.body_surface().empty();
   const auto keep = [&](std::int32_t i, std::int32_t j) { return boundary.keep(state, i, j, around); };
   far = &search.update(state.position, boundary.tags(state, ranks.owned(), ranks.absent_layers()), keep);
   if (around) lengthen_around_corners();

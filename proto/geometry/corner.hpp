@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <numbers>
 
 // Where the surface of a body or a tank has a corner (in the plane) or an edge (in space).
@@ -18,6 +19,12 @@ inline constexpr double right_angle = 0.5 * std::numbers::pi + 1e-6;  // [rad]
 inline constexpr double keel_lean = 0.2588;
 /// Two triangles that turn by less lie in one plane.
 inline constexpr double flat_angle = 1e-4;  // [rad]
+
+/// Whether water leaves a body at a corner: one of at most a right angle that is no keel.
+/// angle: inside the body [rad]; down, other_down: how far the unit normals of its two faces point down.
+inline bool is_sharp_corner(double angle, double down, double other_down) {
+  return angle < right_angle && std::min(down, other_down) <= keel_lean;
+}
 
 /// Whether a turn makes a corner; `beside` is the largest turn next to it [rad, both positive].
 inline bool is_corner(double turn, double beside) {

@@ -2,6 +2,7 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/fill.hpp"
+#include "fluid/scheme/step_data.hpp"
 #include "proto/error.hpp"
 #include "tests/fluid/solid_case.hpp"
 
@@ -13,6 +14,8 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <tuple>
+#include <vector>
 
 namespace strake::fluid {
 namespace {
@@ -193,21 +196,121 @@ TEST(BodySurface3d, HowFarAPlaceLiesInsideAFaceIsCountedFromItsNearestEdge) {
   }
 }
 
-// A wedge of 30 degrees, its keel along z. Places under the keel, turned by less than 30 degrees from the
-// vertical, lie past both faces.
-TEST(BodySurface3d, APlaceBeforeABluntEdgeLiesOverOneFace) {
-  const auto corner =
-      structure::wedge_polygon({.deadrise = std::numbers::pi / 6, .width = 0.2, .height = 0.12});
-  const BodySurface3d wedge(structure::prism_surface(structure::outline(corner, l0), 0.1, 0, l0), l0, reach);
-  const Vector3d right = Vector3d(0.5, -std::sqrt(0.75), 0), left(-right.x(), right.y(), 0);
-  for (const double z : {-0.04, 0.0, 0.031})
-    for (const double turn : {-0.5, -0.2, -0.01, 0.01, 0.2, 0.5}) {
-      const Vector3d keel(0, 0, z), place = keel + 0.4 * l0 * Vector3d(std::sin(turn), -std::cos(turn), 0);
-      EXPECT_EQ(wedge.faces(wet_point(wedge, right, keel), place), turn > 0) << z << ' ' << turn;
-      EXPECT_EQ(wedge.faces(wet_point(wedge, left, keel), place), turn < 0) << z << ' ' << turn;
+std::vector<Eigen::Vector2d> wedge_of(double degrees) {
+  return structure::wedge_polygon(
+      {.deadrise = degrees * std::numbers::pi / 180, .width = 0.08, .height = 0.26});
+}
+
+BodySurface3d prism(const std::vector<Eigen::Vector2d>& corner) {
+  return BodySurface3d(structure::prism_surface(structure::outline(corner, l0), 0.1, 0, l0), l0, reach);
+}
+
+// Wedges with their keels along z. Places under the keel, turned by less than the deadrise from the vertical,
+// lie past both faces. Steeper than 75 degrees the faces of a keel hardly look down.
+TEST(BodySurface3d, APlaceBeforeABluntEdgeOrAKeelLiesOverOneFace) {
+  for (const double deadrise : {30.0, 45.0, 60.0, 72.0, 78.0}) {
+    const BodySurface3d wedge = prism(wedge_of(deadrise));
+    const double angle = deadrise * std::numbers::pi / 180;
+    const Vector3d right(std::sin(angle), -std::cos(angle), 0), left(-right.x(), right.y(), 0);
+    const bool sharp = deadrise > 75;
+    for (const double z : {-0.04, 0.0, 0.031})
+      for (const double turn : {-0.5, -0.2, -0.01, 0.01, 0.2, 0.5}) {
+        const Vector3d keel(0, 0, z), place = keel + 0.4 * l0 * Vector3d(std::sin(turn), -std::cos(turn), 0);
+        EXPECT_EQ(wedge.faces(wet_point(wedge, right, keel), place), !sharp && turn > 0)
+            << deadrise << ' ' << z << ' ' << turn;
+        EXPECT_EQ(wedge.faces(wet_point(wedge, left, keel), place), !sharp && turn < 0)
+            << deadrise << ' ' << z << ' ' << turn;
+      }
+    // Past the sharp edges of the ends no face begins.
+    EXPECT_FALSE(wedge.faces(wet_point(wedge, right, {0, 0, 0.05}), {0.001, -0.4 * l0, 0.05 + 0.1 * l0}));
+  }
+}
+
+// Whether the nearest edge of the face with that normal is sharp, seen from x over that face.
+bool is_sharp_beside(const BodySurface3d& body, const Vector3d& normal, const Vector3d& x) {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool sharp = false;
+  body.within(wet_point(body, normal, x), x, [&](bool is_sharp, const Vector3d& place) {
+    if ((place - x).norm() >= nearest) return false;
+    nearest = (place - x).norm();
+    sharp = is_sharp;
+    return true;
+  });
+  return sharp;
+}
+
+// Wedges upright and heeled, swept along z: the plane and space agree where water leaves them.
+TEST(BodySurface3d, EdgesOfAPrismAreSharpWhereTheCornersOfItsSectionAre) {
+  int keels = 0;
+  for (const double deadrise : {45.0, 60.0, 78.0})
+    for (const double heel : {0.0, 20.0}) {
+      std::vector<Eigen::Vector2d> corner = wedge_of(deadrise);
+      for (auto& x : corner) x = Eigen::Rotation2Dd(heel * std::numbers::pi / 180) * x;
+      const BodySurface2d section(structure::outline(corner, l0), l0);
+      const BodySurface3d body = prism(corner);
+      for (const BodySurface2d::Edge& edge : section.edges()) {
+        const Eigen::Vector2d start = section.vertex(edge.vertex),
+                              end = section.vertex(edge.vertex + edge.count), middle = 0.5 * (start + end);
+        const Eigen::Vector2d n = section.normal(edge.first);
+        const Vector3d normal(n.x(), n.y(), 0);
+        for (const auto& [at, sharp, angle] : {std::tuple(start, edge.start_sharp, edge.start_angle),
+                                               std::tuple(end, edge.end_sharp, edge.end_angle)}) {
+          const Eigen::Vector2d x = at + 0.3 * l0 * ((middle - at).normalized() + n);
+          EXPECT_EQ(is_sharp_beside(body, normal, {x.x(), x.y(), 0}), sharp)
+              << deadrise << ' ' << heel << ' ' << at.transpose();
+          keels += !sharp && angle < 0.5 * std::numbers::pi + 1e-6 ? 1 : 0;
+        }
+        EXPECT_EQ(body.is_between_sharp_corners(wet_point(body, normal, {middle.x(), middle.y(), 0})),
+                  edge.start_sharp && edge.end_sharp)
+            << deadrise << ' ' << heel << ' ' << middle.transpose();
+      }
     }
-  // Past the sharp edges of the ends no face begins.
-  EXPECT_FALSE(wedge.faces(wet_point(wedge, right, {0, 0, 0.05}), {0.001, -0.4 * l0, 0.05 + 0.1 * l0}));
+  EXPECT_EQ(keels, 6);  // two sides each: 45 degrees, 45 heeled, 60
+}
+
+TEST(BodySurface3d, TheWayAroundAKeelGrowsFromTheStraightOne) {
+  for (const double deadrise : {30.0, 45.0, 60.0}) {
+    const BodySurface3d wedge = prism(wedge_of(deadrise));
+    const double open = 0.7 * l0 * std::tan(deadrise * std::numbers::pi / 180);  // water ends there
+    for (const double up : {-0.3 * l0, 1e-9, 0.1 * l0, 0.9 * open}) {
+      const Vector3d a(-0.7 * l0, up, 0.01), b(0.7 * l0, up, 0.018);
+      const int near_a = wedge.near(a, reach).triangle, near_b = wedge.near(b, reach).triangle;
+      EXPECT_EQ(wedge.separates(a, near_a, b, near_b), up > 0) << deadrise << ' ' << up;
+      if (up < 0) continue;
+      const double way = std::hypot(2 * std::hypot(0.7 * l0, up), 0.8 * l0);  // unfolded about the keel
+      EXPECT_NEAR(wedge.way_around(a, near_a, b, near_b), way, 1e-12) << deadrise << ' ' << up;
+    }
+    EXPECT_TRUE(wedge.beside_corner({-0.7 * l0, 0, 0.01}, 0.8 * l0));
+    EXPECT_FALSE(wedge.beside_corner({-0.7 * l0, 0, 0.01}, 0.6 * l0));
+  }
+  // Around an edge of a box there is no way, however short.
+  const BodySurface3d box = box_body();
+  const Vector3d below(0.099, -0.001, 0), beside(0.101, 0.001, 0);
+  const int near_below = box.near(below, reach).triangle, near_beside = box.near(beside, reach).triangle;
+  EXPECT_EQ(box.way_around(below, near_below, beside, near_beside), std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(box.beside_corner(below, reach));
+}
+
+// Water on both sides of a keel keeps its pair, with the length of the way around it.
+TEST(BodySurface3d, AKeelThatComesBetweenAPairLengthensIt) {
+  Parameters p = basin(0.24, 0.1, l0, 0.4);
+  p.scheme = {};
+  p.scheme.gradient = Gradient::least_squares;
+  const InterfaceMesh body = structure::prism_surface(structure::outline(wedge_of(45), l0), 0.1, 0, l0);
+  Points up = Points::Zero(3, body.position.cols());
+  InterfaceMesh above = body;
+  above.position.row(1).array() += 0.3 * l0;
+  StepData<3> step(p, above, up, PairData::inverses, {});
+  up.row(1).setConstant(-0.8 * l0);  // the keel is 0.5 l0 under the level
+  step.boundary.move(step.state, up, Points::Zero(3, up.cols()), true);
+  step.state.position.col(0) << -0.9 * l0, -0.2 * l0, 0.01;
+  step.state.position.col(1) << 0.9 * l0, -0.2 * l0, 0.01;
+  step.search_neighbours();
+  const auto row = step.far->row(0);
+  const auto pair = std::find(row.begin(), row.end(), 1) - row.begin();
+  ASSERT_LT(pair, std::ssize(row));
+  EXPECT_NEAR(step.far->distances(0)[static_cast<std::size_t>(pair)], 2 * std::hypot(0.9 * l0, 0.3 * l0),
+              1e-9);
 }
 
 TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {
