@@ -177,7 +177,7 @@ def panels(l0):
 
     def read(run):
         return f"impulse to 8.5 ms {impulse(run, 0, 0.0085):.1f} N s/m, mean force 7.5 to 8.5 ms {impulse(run, 0.0075, 0.0085):.1f} kN/m"
-    return plane("panels", 0.4, l0, 0.0085, body, 0.4), {"panels.inp": text}, read
+    return plane("panels", 0.4, l0, 0.0085, body, 0.424), {"panels.inp": text}, read
 
 
 def barge(l0):
