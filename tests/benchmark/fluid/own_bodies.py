@@ -218,7 +218,9 @@ def side_read(run):
 
 
 def post_read(run):
-    t0 = 0.6 * run.spacing / 5
+    """A flat end meets the water at once: contact is the start of the first window with a hundredth of the largest load."""
+    first = next(k for k, f in enumerate(run["force.y"]) if f > 0.01 * max(run["force.y"]))
+    t0 = run["time"][first - 1]
     return "impulse at 0.3, 0.6 ms: " + ", ".join(f"{impulse(run, 0, t0 + at) / (RHO * 0.1**3 * 5):.3f}" for at in (3e-4, 6e-4)) + " rho a^3 V (1.607, 1.760)"
 
 
@@ -238,8 +240,9 @@ def in_space(bin_dir, place, name, factor):
     file.write_text(stl(triangles()))
 
     def made(more):
+        path.unlink(missing_ok=True)
         words = [str(bin_dir / "strake"), "new", "mesh", file.name, "-o", path.name, "--speed", "5", *options, *more]
-        subprocess.run(words, cwd=place, check=True, capture_output=True)
+        subprocess.run(words, cwd=place, check=True, stdout=subprocess.DEVNULL)
         return path.read_text()
 
     text = made([])
