@@ -184,7 +184,7 @@ def barge(l0):
     """0.8 m wide, 0.25 m high, 80 kg/m, so 0.1 m deep; let go at 5 degrees in water 1.2 m deep and 3.2 m wide."""
     body = ('solver = "rigid"\nmass = 80\nfree = { x = true, y = true, angle = true }\n'
             "outline = [[-0.4, -0.125], [0.4, -0.125], [0.4, 0.125], [-0.4, 0.125]]\n[structure.placed]\nangle = 5\nmove = [0, 0.025]")
-    return plane("barge", 0.8, l0, 1.4, body, 0.5, "submerged = true"), {}, roll
+    return plane("barge", 0.8, l0, 1.5, body, 0.5, "submerged = true"), {}, roll
 
 
 def roll(run):
@@ -229,7 +229,7 @@ PLANE = {"wedge": (wedge_10, 0.005), "slow": (wedge_slow, 0.0125), "section": (s
 SPACE = {"cone": (lambda: turned([(0, 0), (0.2, 0.2 * tan(30)), (0.2, 0.2 * tan(30) + 0.05), (0, 0.2 * tan(30) + 0.05)]), [], cone_read),
          "side": (lambda: [tuple((y, x, z) for x, y, z in t)[::-1] for t in turned([(0, -0.2), (0.1, -0.2), (0.1, 0.2), (0, 0.2)])], [], side_read),
          "post": (lambda: turned([(0, 0), (0.1, 0), (0.1, 0.4), (0, 0.4)]), [], post_read),
-         "boat": (boat, ["--mass", "20"], lambda run: last(run, "body.vy", "body.angle")),
+         "boat": (boat, ["--mass", "20"], lambda run: last(run, "body.vy", "body.angle.z")),
          "boat level": (boat, ["--mass", "20"], lambda run: last(run, "body.vy"))}
 
 
