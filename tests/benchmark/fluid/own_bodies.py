@@ -188,8 +188,8 @@ def barge(l0):
 
 
 def roll(run):
-    """Periods from crossings of zero by the angle."""
-    t, angle = run["time"], run["body.angle"]
+    """Periods from crossings of the level by the barge, whose angle counts from its start at 5 degrees."""
+    t, angle = run["time"], [5 + a for a in run["body.angle"]]
     zero = [t[i] - angle[i] * (t[i + 1] - t[i]) / (angle[i + 1] - angle[i]) for i in range(len(t) - 1) if angle[i] * angle[i + 1] < 0]
     return "periods " + ", ".join(f"{b - a:.3f}" for a, b in zip(zero, zero[2:])) + " s; angle at the end " + f"{angle[-1]:.3f}"
 
