@@ -184,7 +184,7 @@ def barge(l0):
     """0.8 m wide, 0.25 m high, 80 kg/m, so 0.1 m deep; let go at 5 degrees in water 1.2 m deep and 3.2 m wide."""
     body = ('solver = "rigid"\nmass = 80\nfree = { x = true, y = true, angle = true }\n'
             "outline = [[-0.4, -0.125], [0.4, -0.125], [0.4, 0.125], [-0.4, 0.125]]\n[structure.placed]\nangle = 5\nmove = [0, 0.025]")
-    return plane("barge", 0.8, l0, 1.5, body, 0.5, "submerged = true"), {}, roll
+    return plane("barge", 0.8, l0, 1.8, body, 0.5, "submerged = true"), {}, roll
 
 
 def roll(run):
