@@ -1,10 +1,9 @@
 #include "fluid/least_squares/film.hpp"
 
 #include "fluid/least_squares/constants.hpp"
+#include "fluid/least_squares/moment_inverse.hpp"
 #include "fluid/least_squares/scheme.hpp"
 #include "fluid/particles/pair_loop.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -41,12 +40,38 @@ double film_share(const Tensor<dim>& b) {
   return std::clamp((begins - ratio) / (begins - tuned.film_counts), 0.0, 1.0);
 }
 
-/// Lists the particles with φ > 0, in order.
+/// Lists the particles with φ > 0, in order. Where a body has oblique faces it finds the wide pairs of the
+/// own ones too (F86):
+///   weight = (w + φ w_L)/r²
+/// Within the gradient's radius ∇u of a film rests on few pairs that lie nearly on one line. It changes when
+/// one of them comes or goes, and with it the pressure under the whole body.
 template <int dim>
-void LeastSquaresScheme<dim>::list_films() {
+void LeastSquaresScheme<dim>::list_films(const Boundary<dim>& boundary, const State<dim>& state,
+                                         const Neighbours& far) {
   film_.particles.clear();
   for (Eigen::Index i = 0; i < film_.share.size(); ++i)
     if (film_.share[i] > 0) film_.particles.push_back(i);
+  if (!oblique_) return;
+  film_.wide.clear();
+  film_.wide_inverse.assign(film_.particles.size(), Tensor<dim>::Zero());
+  for (std::size_t f = 0; f < film_.particles.size(); ++f) {
+    const std::int64_t i = film_.particles[f];
+    if (!ranks_.owns(i)) continue;  // ∇u comes from the owner
+    const auto columns = far.row(i);
+    const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+    Tensor<dim> moments = Tensor<dim>::Zero();
+    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+      const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
+      const double weight = inverse * inverse *
+                            (std::max(0.0, gradient_.radius * inverse - 1) +
+                             film_.share[i] * std::max(0.0, laplacian_.radius * inverse - 1));
+      const Vector<dim> r =
+          boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
+      moments += weight * r * r.transpose();
+      film_.wide.push_back({static_cast<std::int32_t>(i), columns[e], weight});
+    }
+    inverse_where_seen<dim>(moments, film_.wide_inverse[f]);
+  }
 }
 
 /// Bounds the pressure of particle i by that of the neighbours that are no film (F69):
@@ -178,7 +203,8 @@ void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>& boundary, State<di
 
 #define STRAKE_INSTANTIATE(dim)                                                                            \
   template double film_share<dim>(const Tensor<dim>&);                                                     \
-  template void LeastSquaresScheme<dim>::list_films();                                                     \
+  template void LeastSquaresScheme<dim>::list_films(const Boundary<dim>&, const State<dim>&,               \
+                                                    const Neighbours&);                                    \
   template void LeastSquaresScheme<dim>::limit_film(State<dim>&, const Neighbours&);                       \
   template void LeastSquaresScheme<dim>::share_films(const Boundary<dim>&, const Neighbours&);             \
   template void LeastSquaresScheme<dim>::stop_films(const Boundary<dim>&, State<dim>&, const Neighbours&); \

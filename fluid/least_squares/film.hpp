@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace strake::fluid {
 /// Returns φ of (F69) from B = Σ_water w r⊗r/r² (fluid/THEORY.md, (F33)): 1 where the neighbours of a
 /// particle lie nearly on one line (in space: in one plane), 0 where they surround it. Between the ratios
 /// `film_begins` and `film_counts` of B's smallest and largest eigenvalue it rises linearly. A lattice's
-/// first row at a wall or a free surface has the ratio 0.59 and φ = 0. The scheme uses φ where σ > 0: disorder
-/// inside the water is no film.
+/// first row at a wall or a free surface has the ratio 0.59 and φ = 0. The scheme uses φ where σ > 0:
+/// disorder inside the water is no film.
 template <int dim>
 double film_share(const Eigen::Matrix<double, dim, dim>& b);
 
@@ -23,12 +24,33 @@ struct FilmPair {
   double inverse;
 };
 
-/// Films, jets and spray (F69), (F70).
+/// A film with water in its far row. weight: w + φ w_L, over r² [1/m²].
+struct WidePair {
+  std::int32_t film, other;
+  double weight;
+};
+
+/// Films, jets and spray (F69), (F70), (F86).
+template <int dim>
 struct Films {
+  using Tensor = Eigen::Matrix<double, dim, dim>;
   Eigen::VectorXf share;                // φ
   std::vector<std::int64_t> particles;  // with φ > 0, in order
+  std::vector<WidePair> wide;           // pairs of own films, in order; empty without oblique faces
+  std::vector<Tensor> wide_inverse;     // of Σ weight r⊗r of each of `particles`
   Eigen::VectorXd value;                // scratch: one number of each of these
   std::vector<FilmPair> ghosts;         // scratch of `stop_films`, sorted
+
+  /// Returns ∇u of film i from its wide pairs [1/s] (F86). separation(j): r from i to j [m].
+  Tensor wide_gradient(const Eigen::Matrix<double, dim, Eigen::Dynamic>& velocity, std::int64_t i,
+                       const auto& separation) const {
+    Tensor sum = Tensor::Zero();
+    for (const WidePair& pair :
+         std::ranges::equal_range(wide, static_cast<std::int32_t>(i), {}, &WidePair::film))
+      sum += pair.weight * (velocity.col(pair.other) - velocity.col(i)) * separation(pair.other).transpose();
+    return sum *
+           wide_inverse[static_cast<std::size_t>(std::ranges::lower_bound(particles, i) - particles.begin())];
+  }
 };
 
 }  // namespace strake::fluid

@@ -1,8 +1,7 @@
 #include "fluid/least_squares/film.hpp"
+#include "fluid/least_squares/moment_inverse.hpp"
 #include "fluid/least_squares/scheme.hpp"
 #include "fluid/particles/pair_loop.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -18,21 +17,6 @@ struct Symmetric {
   static constexpr int parts = dim * (dim + 1) / 2;
   static constexpr int row[] = {0, 1, 1, 2, 2, 2}, column[] = {0, 0, 1, 0, 1, 2};
 };
-
-template <int dim>
-[[gnu::noinline]] void inverse_of_seen_directions(const Tensor<dim>& m, Tensor<dim>& inverse) {
-  Eigen::SelfAdjointEigenSolver<Tensor<dim>> eigen;
-  eigen.computeDirect(m);
-  const double largest = eigen.eigenvalues()[dim - 1];
-  const double least_ratio = least_squares_constants().least_ratio;
-  Vector<dim> inverses;
-  for (int a = 0; a < dim; ++a) {
-    const double value = eigen.eigenvalues()[a];
-    const double seen = std::clamp((value / largest - least_ratio) / least_ratio, 0.0, 1.0);
-    inverses[a] = value > 0 ? seen / value : 0.0;
-  }
-  inverse.noalias() = eigen.eigenvectors() * inverses.asDiagonal() * eigen.eigenvectors().transpose();
-}
 
 /// Returns the sums of the lanes, stored at once. Numbers that are written one by one and read as a vector
 /// would stall.
@@ -76,28 +60,6 @@ inline Double8 part_of_radius(const Separation& r, Double8 inverse, Double8 one,
   return squares * inverse * (1 / radius);
 }
 
-/// The inverse of m. Directions in which the neighbours hardly extend are left out, see least_ratio. The
-/// entries are written in place, because a copy would stall.
-template <int dim>
-inline void inverse_where_seen(const Tensor<dim>& m, Tensor<dim>& inverse) {
-  const double mean = m.trace() / dim, determinant = m.determinant();
-  const LeastSquaresConstants& tuned = least_squares_constants();
-  const double even = dim == 2 ? tuned.even_2d : tuned.even_3d;
-  if (!(mean > 0)) {
-    inverse.setZero();
-  } else if (!(determinant > even * mean * mean * (dim == 3 ? mean : 1.0))) {
-    inverse_of_seen_directions<dim>(m, inverse);
-  } else if constexpr (dim == 2) {
-    const double scale = 1 / determinant;
-    inverse(0, 0) = scale * m(1, 1);
-    inverse(1, 0) = -scale * m(1, 0);
-    inverse(0, 1) = -scale * m(0, 1);
-    inverse(1, 1) = scale * m(0, 0);
-  } else {
-    inverse = m.inverse();
-  }
-}
-
 }  // namespace
 
 template <int dim>
@@ -138,7 +100,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
       if (ranks_.owns(i)) add_images(far, i);
   }
   ranks_.update(film_.share);
-  list_films();
+  list_films(boundary, state, far);
 }
 
 /// Sums of particle i over the water, eight pairs at a time.

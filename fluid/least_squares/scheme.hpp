@@ -231,7 +231,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Returns the part of `start_` that still counts: 1 at the particle's place at the start, 0 a spacing from
   /// it (F68).
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
-  void list_films();
+  void list_films(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void share_surface(State<dim>&) const;
   void limit_film(State<dim>&, const Neighbours& near);
   void share_films(const Boundary<dim>&, const Neighbours& near);
@@ -385,7 +385,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   Images images_;
   FreeSurface surface_;
   WallData wall_;
-  Films film_;
+  Films<dim> film_;
   EquationTerms equation_;
   StepNumbers now_;
   VelocityFit velocity_;

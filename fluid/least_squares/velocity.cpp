@@ -29,7 +29,7 @@ inline Double4 squares(VecD<dim> a, VecD<dim> b, VecD<dim> c, VecD<dim> d) {
 
 }  // namespace
 
-// Computes ∇u = Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹.
+// Computes ∇u = Σ w (u_j − u_i) ⊗ r/r² [Σ w r⊗r/r²]⁻¹, for films beside oblique faces that of (F86).
 template <int dim>
 template <bool seams>
 void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& boundary, const State<dim>& state,
@@ -72,6 +72,12 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
     for (int b = 0; b < dim; ++b) {
       motion.gradient[b] = sum[0] * inverse(0, b);
       for (int a = 1; a < dim; ++a) motion.gradient[b] += sum[a] * inverse(a, b);
+    }
+    if (oblique_ && film_.share[i] > 0) {
+      const Tensor<dim> wide = film_.wide_gradient(state.velocity, i, [&](std::int64_t j) {
+        return periodic.separation(state.position.col(i), state.position.col(j));
+      });
+      for (int b = 0; b < dim; ++b) motion.gradient[b] = vec_at<dim>(wide.col(b).data());
     }
     if (velocity_.age > 0) advance_gradient(motion, velocity_.age);
   }
