@@ -97,7 +97,7 @@ std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
                                         wetted.left ? " as it leaves the face" : "");
   if (jet >= spacing) return count + ": the force scatters by some 10 % about its mean";
   return fmt::format(
-      "{}: the force scatters by up to 30 % about its mean, by 10 % with fluid.spacing = {:.2g}", count, jet);
+      "{}: the force scatters by up to 50 % about its mean, by 10 % with fluid.spacing = {:.2g}", count, jet);
 }
 
 /// The slope of the body's face at the place nearest to `at`, as |dy/dx|; bodies in the plane.
