@@ -16,9 +16,13 @@ namespace {
 
 // Bounds of resolution. Two layers of particles bend wrongly by tens of per cent, four by some per cent
 // (cases/VALIDATION.md, "Strips: deflection and frequencies"). The mean force of a wedge keeps to some 15 %
-// from twelve spacings per half wetted width on, and to 5 % from thirty on. Its scatter depends on the jet.
+// from twelve spacings per half wetted width on, and to 5 % from thirty on. Flat faces need more. The force
+// is some 30 % low while the jet has less than a tenth of a spacing, and 5 to 15 % up to a fifth. Measured at
+// 10 to 30 degrees (cases/VALIDATION.md, "Wedges and V sections at steps that resolve sound").
 constexpr double enough_layers = 4;
-constexpr double coarse = 12, fine = 30;  // [l0]
+constexpr double coarse = 12, fine = 30;             // [l0]
+constexpr double coarse_jet = 0.1, fine_jet = 0.2;   // [l0]
+constexpr double least_slope = 0.1, most_slope = 1;  // where the two are taken to hold
 constexpr double level_slope = 0.02;  // below it a face meets the water at once, and no peak runs along it
 constexpr double steep_slope = 0.6;   // above some 30 degrees the pressure has no peak at the jet root
 
@@ -77,12 +81,23 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& b
   return Wetted{half, (grows ? rise : rise_that_wets(body, lowest, half, rise)) / half, !grows};
 }
 
+/// Returns the spacings on half the wetted width that a jet of `jet` spacings needs, at least `least`:
+/// c = 2π δ/tan²β (Wagner 1932).
+double spacings_needed(const Wetted& wetted, double least, double jet) {
+  const double slope = wetted.slope;
+  if (!(slope >= least_slope) || !(slope <= most_slope)) return least;
+  return std::max(least, 2 * std::numbers::pi * jet / (slope * slope));
+}
+
 std::string width_line(const Wetted& wetted, double spacing) {
   if (!(wetted.half > 0)) return "the body does not reach the water before end_time";
-  const double count = wetted.half / spacing;
-  const std::string judged = count >= fine     ? "mean force to some 5 %"
-                             : count >= coarse ? "mean force to some 15 %, to 5 % from 30 on"
-                                               : "too few for forces: 12 give some 15 %, 30 some 5 %";
+  const double count = wetted.half / spacing, enough = spacings_needed(wetted, coarse, coarse_jet),
+               good = spacings_needed(wetted, fine, fine_jet);
+  const std::string judged =
+      count >= good ? "mean force to some 5 %"
+      : count >= enough
+          ? fmt::format("mean force to some 15 %, to 5 % from {:.0f} on", good)
+          : fmt::format("too few for forces: {:.0f} give some 15 %, {:.0f} some 5 %", enough, good);
   return fmt::format("{:.{}f} spacings on half the wetted width of {:.3g} m at the end: {}", count,
                      count >= fine ? 0 : 1, wetted.half, judged);
 }

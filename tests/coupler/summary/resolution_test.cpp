@@ -107,6 +107,22 @@ TEST(Resolution, CountsSpacingsThroughTheJet) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.002, 0.006), wedge.mesh, wedge.velocity), "1.2 spacings"));
 }
 
+// 10 degrees: a jet of 0.1 and 0.2 spacings needs 2π δ/tan²β = 20 and 40 spacings on half the wetted width.
+// At 30 degrees the 12 and 30 of all bodies are more.
+TEST(Resolution, FlatFacesNeedMoreSpacings) {
+  const double end_time = 0.0025, angle = std::numbers::pi / 18;
+  const Wedge flat(0.25, std::tan(angle)), steep(0.25, std::tan(3 * angle));
+  const double half = 0.5 * std::numbers::pi * 6 * end_time / std::tan(angle);
+  const auto lines = [&](double count) {
+    return resolution_lines(case_with(half / count, end_time), flat.mesh, flat.velocity);
+  };
+  EXPECT_TRUE(says(lines(15), "too few for forces: 20 give some 15 %, 40 some 5 %"));
+  EXPECT_TRUE(says(lines(25), "mean force to some 15 %, to 5 % from 40 on"));
+  EXPECT_TRUE(says(lines(45), "mean force to some 5 %"));
+  EXPECT_TRUE(
+      says(resolution_lines(case_with(0.005, 0.012), steep.mesh, steep.velocity), "mean force to some 5 %"));
+}
+
 // At the chines c = 0.25 m: δ = 0.25 tan² 15° / 2π = 2.86 mm, however long the run goes on.
 TEST(Resolution, CountsSpacingsThroughTheJetThatLeavesTheFace) {
   const Wedge wedge(0.25, std::tan(std::numbers::pi / 12));
