@@ -52,15 +52,21 @@ void LeastSquaresScheme<dim>::list_films(const Boundary<dim>& boundary, const St
   for (Eigen::Index i = 0; i < film_.share.size(); ++i)
     if (film_.share[i] > 0) film_.particles.push_back(i);
   if (!oblique_) return;
-  film_.wide.clear();
+  const auto count = static_cast<std::int64_t>(film_.particles.size());
   film_.wide_inverse.assign(film_.particles.size(), Tensor<dim>::Zero());
-  for (std::size_t f = 0; f < film_.particles.size(); ++f) {
+  film_.wide_start.assign(1, 0);
+  for (const std::int64_t i : film_.particles)  // ∇u of others comes from their owners
+    film_.wide_start.push_back(film_.wide_start.back() +
+                               (ranks_.owns(i) ? water_pairs(far.row(i), boundary.water()) : 0));
+  film_.wide.resize(film_.wide_start.back());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t k = 0; k < count; ++k) {
+    const auto f = static_cast<std::size_t>(k);
     const std::int64_t i = film_.particles[f];
-    if (!ranks_.owns(i)) continue;  // ∇u comes from the owner
     const auto columns = far.row(i);
     const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
     Tensor<dim> moments = Tensor<dim>::Zero();
-    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+    for (std::size_t e = 0, inner = film_.wide_start[f + 1] - film_.wide_start[f]; e < inner; ++e) {
       const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
       const double weight = inverse * inverse *
                             (std::max(0.0, gradient_.radius * inverse - 1) +
@@ -68,7 +74,7 @@ void LeastSquaresScheme<dim>::list_films(const Boundary<dim>& boundary, const St
       const Vector<dim> r =
           boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
       moments += weight * r * r.transpose();
-      film_.wide.push_back({static_cast<std::int32_t>(i), columns[e], weight});
+      film_.wide[film_.wide_start[f] + e] = {columns[e], weight};
     }
     inverse_where_seen<dim>(moments, film_.wide_inverse[f]);
   }

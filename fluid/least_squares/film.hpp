@@ -24,9 +24,9 @@ struct FilmPair {
   double inverse;
 };
 
-/// A film with water in its far row. weight: w + φ w_L, over r² [1/m²].
+/// Water in the far row of a film. weight: w + φ w_L, over r² [1/m²].
 struct WidePair {
-  std::int32_t film, other;
+  std::int32_t other;
   double weight;
 };
 
@@ -37,6 +37,7 @@ struct Films {
   Eigen::VectorXf share;                // φ
   std::vector<std::int64_t> particles;  // with φ > 0, in order
   std::vector<WidePair> wide;           // pairs of own films, in order; empty without oblique faces
+  std::vector<std::size_t> wide_start;  // in `wide`, of each of `particles`, and the end
   std::vector<Tensor> wide_inverse;     // of Σ weight r⊗r of each of `particles`
   Eigen::VectorXd value;                // scratch: one number of each of these
   std::vector<FilmPair> ghosts;         // scratch of `stop_films`, sorted
@@ -44,12 +45,13 @@ struct Films {
   /// Returns ∇u of film i from its wide pairs [1/s] (F86). separation(j): r from i to j [m].
   Tensor wide_gradient(const Eigen::Matrix<double, dim, Eigen::Dynamic>& velocity, std::int64_t i,
                        const auto& separation) const {
+    const auto f = static_cast<std::size_t>(std::ranges::lower_bound(particles, i) - particles.begin());
     Tensor sum = Tensor::Zero();
-    for (const WidePair& pair :
-         std::ranges::equal_range(wide, static_cast<std::int32_t>(i), {}, &WidePair::film))
-      sum += pair.weight * (velocity.col(pair.other) - velocity.col(i)) * separation(pair.other).transpose();
-    return sum *
-           wide_inverse[static_cast<std::size_t>(std::ranges::lower_bound(particles, i) - particles.begin())];
+    for (std::size_t e = wide_start[f]; e < wide_start[f + 1]; ++e) {
+      const auto [other, weight] = wide[e];
+      sum += weight * (velocity.col(other) - velocity.col(i)) * separation(other).transpose();
+    }
+    return sum * wide_inverse[f];
   }
 };
 
