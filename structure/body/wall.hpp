@@ -12,8 +12,8 @@ double wall_thickness(const Solid&);
 double common_measure(const Solid&);
 
 /// The spacing of particles [m] for a body without one of its own: four layers through its walls, and forty
-/// along its longest side. Of boxes it divides the distances between all sides,
-/// if ten layers do.
+/// along its longest side. Of boxes it divides the distances between all sides, if at most ten layers do
+/// that.
 double particle_spacing(const Solid&);
 
 }  // namespace strake::structure

@@ -49,8 +49,7 @@ double fixed_mass(const Lattice<dim>& lattice, const Eigen::VectorXd& mass) {
   return sum;
 }
 
-/// Volume coupling: the particles of the body themselves, with their mass; those outside belong to the
-/// clamps.
+/// Volume coupling: the particles of the body, with their mass; those outside belong to the clamps.
 template <int dim>
 InterfaceMesh volume_mesh(const Lattice<dim>& lattice, const Eigen::VectorXd& mass) {
   const Eigen::Index n = lattice.count_inside();
@@ -78,8 +77,7 @@ SparseRows volume_selection(const Lattice<dim>& lattice) {
 
 /// The pair model and the unified loop have weights and densities of a lattice without gaps.
 Places places_of(const Parameters& p) {
-  const bool lattice = p.particle.model == ParticleModel::pair || p.interface == "volume";
-  return lattice ? Places::cells : Places::pieces;
+  return p.particle.model == ParticleModel::pair || p.interface == "volume" ? Places::cells : Places::pieces;
 }
 
 /// The loaded surface with points as near to one another as the particles, for the case's own load.
