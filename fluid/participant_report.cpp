@@ -31,6 +31,21 @@ double drop_of(const Parameters& p) {
   return drop;
 }
 
+/// Returns a², in space ab min(a, b), a and b being half the extents of a body along x and z. `size` has both
+/// extents. The added mass of a disc is 4/3 ρa³, that of a strip ½πρb² per length: a slender body moves water
+/// as its narrower width does. A body from side to side of the tank, to walls or seams, moves it as in the
+/// plane: a² times that length.
+template <int dim>
+double moved_water(const Parameters& p, const Eigen::Vector2d& size) {
+  const Eigen::Vector2d half = 0.5 * size;
+  if (dim == 2) return half[0] * half[0];
+  const Eigen::Vector3d room = p.tank.max - p.tank.min;
+  const double slack = 0.5 * p.spacing;
+  const bool along_x = size[0] > room.x() - slack, along_z = size[1] > room.z() - slack;
+  if (along_x == along_z) return half.prod() * half.minCoeff();
+  return along_z ? half[0] * half[0] * size[1] : half[1] * half[1] * size[0];
+}
+
 /// Returns the largest speed of the tank's walls over the run, from a thousand instants [m/s].
 double tank_speed(const Parameters& p) {
   if (!p.motion.moves()) return 0;
@@ -211,17 +226,12 @@ void FluidParticipant<dim>::report_ranks(std::map<std::string, double>& monitor)
   monitor["memory.peak"] = memory;
 }
 
-/// Returns 2ρVa², in space 2ρVab min(a, b), a and b being half the body's extents along x and z. Where
-/// nothing enters it is the largest impulse so far, or the mass of the water times the largest speed that the
-/// case gives it, where that is more.
-///
-/// The added mass of a disc is 4/3 ρa³, that of a strip ½πρb² per length: a slender body moves water as its
-/// narrower width does.
+/// Returns 2ρV times `moved_water`. Where nothing enters it is the largest impulse so far, or the mass of the
+/// water times the largest speed that the case gives it, where that is more.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
-  const Eigen::Vector2d half = 0.5 * body_size_;
-  const double moved = dim == 2 ? half[0] * half[0] : half.prod() * half.minCoeff();
+  const double moved = moved_water<dim>(parameters_, body_size_);
   const double scale = 2 * parameters_.density * start_speeds_.entry * moved;
   if (scale > 0) return scale;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);

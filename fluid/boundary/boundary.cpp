@@ -251,23 +251,49 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
       return body_surface_.crosses(point_of(row), near(other), state.position.col(other),
                                    state.position.col(row));
     const auto [a, b] = std::minmax(i, j);
-    if (!body_surface_.separates(state.position.col(a), near(a), state.position.col(b), near(b))) return true;
+    if (!separates(state, a, b)) return true;
     return around && b < water_ && way_around(state, a, b) < reach_;
   }
 }
 
 template <int dim>
+template <class Visit>
+void Boundary<dim>::for_each_straight_way(const State<dim>& state, std::int64_t a, std::int64_t b,
+                                          const Visit& visit) const {
+  const Vector<dim> from = state.position.col(a), to = state.position.col(b),
+                    r = tank_.periodic().separation(from, to);
+  if (r == to - from) return visit(from, to);
+  visit(from, Vector<dim>(from + r));
+  visit(Vector<dim>(to - r), to);
+}
+
+template <int dim>
+bool Boundary<dim>::separates(const State<dim>& state, std::int64_t a, std::int64_t b) const {
+  const int near_a = triangle_near_[static_cast<std::size_t>(a)],
+            near_b = triangle_near_[static_cast<std::size_t>(b)];
+  bool separated = false;
+  if constexpr (dim == 3)
+    for_each_straight_way(state, a, b, [&](const Vector<dim>& from, const Vector<dim>& to) {
+      separated = separated || body_surface_.separates(from, near_a, to, near_b);
+    });
+  return separated;
+}
+
+template <int dim>
 double Boundary<dim>::way_around(const State<dim>& state, std::int64_t i, std::int64_t j) const {
   const auto [a, b] = std::minmax(i, j);
-  const Vector<dim> from = state.position.col(a), to = state.position.col(b);
   if constexpr (dim == 2) {
-    return body_surface_.way_around(from, to);
+    return body_surface_.way_around(state.position.col(a), state.position.col(b));
   } else {
-    const int near_from = triangle_near_[static_cast<std::size_t>(a)],
-              near_to = triangle_near_[static_cast<std::size_t>(b)];
-    if (!body_surface_.separates(from, near_from, to, near_to))
-      return tank_.periodic().separation(from, to).norm();
-    return body_surface_.way_around(from, near_from, to, near_to);
+    if (!separates(state, a, b))
+      return tank_.periodic().separation(state.position.col(a), state.position.col(b)).norm();
+    const int near_a = triangle_near_[static_cast<std::size_t>(a)],
+              near_b = triangle_near_[static_cast<std::size_t>(b)];
+    double way = std::numeric_limits<double>::infinity();
+    for_each_straight_way(state, a, b, [&](const Vector<dim>& from, const Vector<dim>& to) {
+      way = std::min(way, body_surface_.way_around(from, near_a, to, near_b));
+    });
+    return way;
   }
 }
 

@@ -173,6 +173,13 @@ class Boundary {
     int point, vertex;     // the last of the edge before the corner, and the corner
     double beside, depth;  // [m]; beside is negative before an edge's start
   };
+  /// Calls visit(from, to) with the ends of the straight way from particle a to b. Over a seam it has two
+  /// images, one from a and one to b: what lies on the way, a body or the nearest place of an edge, is met by
+  /// one of them.
+  template <class Visit>
+  void for_each_straight_way(const State<dim>&, std::int64_t a, std::int64_t b, const Visit&) const;
+  /// Whether the body lies between two particles that are not of the body; in space.
+  bool separates(const State<dim>&, std::int64_t a, std::int64_t b) const;
   void add_layers(const InterfaceMesh& partner, State<dim>&);
   void place_layers(State<dim>&, bool positions) const;
   void check_place(const State<dim>&, const Points& place) const;

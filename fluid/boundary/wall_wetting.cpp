@@ -1,5 +1,7 @@
 #include "fluid/boundary/wall_wetting.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +16,12 @@ constexpr double joining_height = 0.52, leaving_height = 1.0;
 constexpr double aside = 1.01;
 /// Distance of a body before a wall below which it covers the wall [l0].
 constexpr double covering_distance = 0.1;
+/// Places in a wall's face, a square of l0, that tell which part of it a body covers. Place k lies k l0/37
+/// along and 6 k l0/37 aside, less whole l0: rows turned by 10 degrees, so that an edge of the body along the
+/// lattice or across it passes them one by one. With 37 places the part changes by steps of 0.03.
+constexpr int face_places = 37, face_turn = 6;
+/// A body farther off covers all of a face or nothing [l0]: more than half the diagonal of the square.
+constexpr double half_diagonal = 0.75;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
@@ -26,6 +34,7 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
   const auto n = state.position.cols();
   axis_.setZero(dim, n - first_);
   depth_.setZero(n - first_);
+  bare_.setOnes(n - first_);
   corner_.assign(static_cast<std::size_t>(n), 0);
   wet_.assign(static_cast<std::size_t>(n), 0);
   joins_.assign(static_cast<std::size_t>(n), -1);
@@ -96,6 +105,33 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
   return nearest;
 }
 
+/// Computes the part of the face of a wall's layer particle that no body covers, from places in that face. A
+/// face that dries at once takes a row of pairs from the water: a keel between walls then has a blow each
+/// time that it has passed l0. In the plane, where no row of faces dries together, the middle counts for the
+/// face.
+template <int dim>
+double WallContact<dim>::find_bare(const Boundary<dim>& boundary, const State<dim>& state,
+                                   std::int64_t j) const {
+  const auto& body = boundary.body_surface();
+  const Vector<dim> n = axis_.col(j - first_);
+  const Vector<dim> before = state.position.col(j) + (depth_[j - first_] + covering_distance * spacing_) * n;
+  if constexpr (dim == 2) {
+    return body.inside(before) ? 0 : 1;
+  } else {
+    if (!(body.near(before, half_diagonal * spacing_).distance < half_diagonal * spacing_))
+      return body.inside(before) ? 0 : 1;
+    const Vector<3> across = std::abs(n.z()) > 0.5 ? Vector<3>::UnitX() : Vector<3>::UnitZ();
+    const Vector<3> v = spacing_ * n.cross(across).normalized(), u = v.cross(n);
+    int open = 0;
+    for (int k = 0; k < face_places; ++k) {
+      const double along = (k + 0.5) / face_places - 0.5,
+                   aside = (k * face_turn % face_places + 0.5) / face_places - 0.5;
+      open += body.inside(before + along * u + aside * v) ? 0 : 1;
+    }
+    return static_cast<double>(open) / face_places;
+  }
+}
+
 /// Lists the layer particles whose faces have become wet, those behind the first layer too.
 template <int dim>
 void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<dim>& state) {
@@ -124,9 +160,8 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     bool is_wet = nearest.height < (was_dry ? joining_height : leaving_height);
     if (is_wet && j < boundary.first_of_bodies() && !corner(j) && !boundary.body_surface().empty()) {
       // The wall is dry behind a body that touches it, even where water is near the body's corner.
-      const Vector<dim> before =
-          state.position.col(j) + (depth_[j - first_] + covering_distance * spacing_) * axis_.col(j - first_);
-      is_wet = !boundary.body_surface().inside(before);
+      bare_[j - first_] = find_bare(boundary, state, j);
+      is_wet = bare_[j - first_] > 0;
     }
     if (!aired.empty() && j >= boundary.first_of_bodies())
       is_wet = is_wet && !aired[static_cast<std::size_t>(boundary.point_of(j))];
@@ -137,9 +172,12 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
   }
   ranks.update_layers(state.surface, boundary.water());
   ranks.update_layers(wet_, boundary.water());
+  if (!boundary.body_surface().empty()) ranks.update_layers(bare_, 0);
   for (std::int64_t j = boundary.water(); j < n; ++j)
-    if (const std::int32_t m = boundary.master_of(j); m >= 0)
+    if (const std::int32_t m = boundary.master_of(j); m >= 0) {
       wet_[static_cast<std::size_t>(j)] = wet_[static_cast<std::size_t>(m)];
+      bare_[j - first_] = bare_[m - first_];
+    }
   list_joined(boundary, state);
 }
 

@@ -38,6 +38,8 @@ class WallContact {
   void set_water(std::int64_t water);
 
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
+  /// Returns the part of its face that no body covers, 1 for faces of bodies.
+  double bare(std::int64_t row) const { return bare_[row - first_]; }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across
   /// the edge, in a corner all of r.
   Vector<dim> projection(std::int64_t row, const Vector<dim>& r) const {
@@ -70,10 +72,11 @@ class WallContact {
   Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
   void list_joined(const Boundary<dim>&, const State<dim>&);
   void place_bodies(const Boundary<dim>&, const State<dim>&);
+  double find_bare(const Boundary<dim>&, const State<dim>&, std::int64_t row) const;
   double spacing_;
   std::int64_t first_;  // layer particle
   Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
-  Eigen::VectorXd depth_;
+  Eigen::VectorXd depth_, bare_;
   std::vector<std::uint8_t> corner_, wet_;
   std::vector<std::int64_t> joins_;  // of each layer particle: water nearest to a face newly wet; else −1
   std::vector<Joined> joined_;

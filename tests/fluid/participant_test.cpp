@@ -125,11 +125,11 @@ TEST(FluidParticipant, a_body_that_starts_in_the_water_or_rides_with_the_tank_en
   EXPECT_EQ(headline.find("Re "), std::string::npos) << headline;
 }
 
-/// Momentum gap of a box of that size in space, 0.5 ms after contact.
-double gap_of_box(const Eigen::Vector3d& size) {
-  const Case c({"fluid.dimension=3", "fluid.tank=[[-0.12, -0.06, -0.12], [0.12, 0.1, 0.12]]",
-                "fluid.water=[[-0.12, -0.06, -0.12], [0.12, 0, 0.12]]", "fluid.scheme.time_step=1e-4",
-                "coupling.surface.window=1e-4", "run.threads=1"});
+/// Momentum gap of a box of that size in space, 0.5 ms after contact. The tank reaches from −side to side.
+double gap_of_box(const Eigen::Vector3d& size, const std::string& side = "0.12") {
+  const Case c({"fluid.dimension=3", "fluid.tank=[[-0.12, -0.06, -" + side + "], [0.12, 0.1, " + side + "]]",
+                "fluid.water=[[-0.12, -0.06, -" + side + "], [0.12, 0, " + side + "]]",
+                "fluid.scheme.time_step=1e-4", "coupling.surface.window=1e-4", "run.threads=1"});
   strake::Setup setup;
   setup.interface = "surface";
   setup.partner_mesh = box_surface({0, 0.002, 0}, size, 0.01);
@@ -153,6 +153,13 @@ TEST(FluidParticipant, the_momentum_gap_of_a_slender_body_in_space_does_not_depe
   const double along_x = gap_of_box({0.12, 0.02, 0.04}), along_z = gap_of_box({0.04, 0.02, 0.12});
   EXPECT_GT(along_x, 0);
   EXPECT_NEAR(along_z / along_x, 1, 0.05);
+}
+
+// Over 2ρVab min(a, b) a body across a narrow tank had the larger gap the narrower the tank was.
+TEST(FluidParticipant, the_momentum_gap_of_a_body_across_the_tank_does_not_depend_on_its_length) {
+  const double narrow = gap_of_box({0.08, 0.02, 0.08}, "0.04"), wide = gap_of_box({0.08, 0.02, 0.16}, "0.08");
+  EXPECT_GT(narrow, 0);
+  EXPECT_NEAR(wide / narrow, 1, 0.05);
 }
 
 TEST(FluidParticipant, impulse_counts_from_the_first_step_above_the_stagnation_pressure) {

@@ -291,26 +291,41 @@ TEST(BodySurface3d, TheWayAroundAKeelGrowsFromTheStraightOne) {
   EXPECT_FALSE(box.beside_corner(below, reach));
 }
 
-// Water on both sides of a keel keeps its pair, with the length of the way around it.
-TEST(BodySurface3d, AKeelThatComesBetweenAPairLengthensIt) {
-  Parameters p = basin(0.24, 0.1, l0, 0.4);
+/// Returns the length of a pair of water 0.9 l0 aside of a keel, 0.3 l0 over it; infinite where there is
+/// none. The keel is `length` long, the water at z and other_z.
+double length_across_keel(Parameters p, double length, double z, double other_z) {
   p.scheme = {};
   p.scheme.gradient = Gradient::least_squares;
-  const InterfaceMesh body = structure::prism_surface(structure::outline(wedge_of(45), l0), 0.1, 0, l0);
+  const InterfaceMesh body = structure::prism_surface(structure::outline(wedge_of(45), l0), length, 0, l0);
   Points up = Points::Zero(3, body.position.cols());
   InterfaceMesh above = body;
   above.position.row(1).array() += 0.3 * l0;
   StepData<3> step(p, above, up, PairData::inverses, {});
   up.row(1).setConstant(-0.8 * l0);  // the keel is 0.5 l0 under the level
   step.boundary.move(step.state, up, Points::Zero(3, up.cols()), true);
-  step.state.position.col(0) << -0.9 * l0, -0.2 * l0, 0.01;
-  step.state.position.col(1) << 0.9 * l0, -0.2 * l0, 0.01;
+  step.state.position.col(0) << -0.9 * l0, -0.2 * l0, z;
+  step.state.position.col(1) << 0.9 * l0, -0.2 * l0, other_z;
   step.search_neighbours();
   const auto row = step.far->row(0);
   const auto pair = std::find(row.begin(), row.end(), 1) - row.begin();
-  ASSERT_LT(pair, std::ssize(row));
-  EXPECT_NEAR(step.far->distances(0)[static_cast<std::size_t>(pair)], 2 * std::hypot(0.9 * l0, 0.3 * l0),
-              1e-9);
+  return pair < std::ssize(row) ? step.far->distances(0)[static_cast<std::size_t>(pair)]
+                                : std::numeric_limits<double>::infinity();
+}
+
+// Water on both sides of a keel keeps its pair, with the length of the way around it.
+TEST(BodySurface3d, AKeelThatComesBetweenAPairLengthensIt) {
+  const Parameters p = basin(0.24, 0.1, l0, 0.4);
+  EXPECT_NEAR(length_across_keel(p, 0.1, 0.01, 0.01), 2 * std::hypot(0.9 * l0, 0.3 * l0), 1e-9);
+}
+
+// So does water on both sides of a seam of the tank, whose ends of the keel are one place.
+TEST(BodySurface3d, AKeelOverASeamLengthensAPairAsAnyOther) {
+  Parameters p = basin(0.24, 0.1, l0, 0.4);
+  p.periodic[2] = true;
+  const double way = std::hypot(2 * std::hypot(0.9 * l0, 0.3 * l0), 0.8 * l0);
+  EXPECT_NEAR(length_across_keel(p, 0.24, 0.01, 0.01 + 0.8 * l0), way, 1e-9);
+  for (const double before : {0.1, 0.4, 0.7})
+    EXPECT_NEAR(length_across_keel(p, 0.24, 0.12 - before * l0, -0.12 + (0.8 - before) * l0), way, 1e-9);
 }
 
 TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {

@@ -120,11 +120,12 @@ TEST(Ranks, ABoxInSpaceIsThatOfOneRankToTheLastBit) {
   expect_same(flow, {2, 4});
 }
 
-// Pairs of water have the length of the way around the keel on every rank.
+// Pairs of water have the length of the way around the keel on every rank, and the keel covers parts of the
+// side walls' faces.
 TEST(Ranks, AKeelInSpaceIsThatOfOneRankToTheLastBit) {
   Flow<3> flow{.p = basin(0.4, 0.12, 0.02, 0.14),
                .body = structure::prism_surface(
-                   structure::outline({{0, 0.004}, {0.06, 0.08}, {-0.06, 0.08}}, 0.02), 0.16, 0, 0.02),
+                   structure::outline({{0, 0.004}, {0.06, 0.08}, {-0.06, 0.08}}, 0.02), 0.4, 0, 0.02),
                .speed = 5,
                .dt = 1e-4};
   flow.p.sound_speed = 1500;

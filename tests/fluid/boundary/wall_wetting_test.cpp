@@ -1,0 +1,61 @@
+#include "fluid/boundary/wall_wetting.hpp"
+
+#include "fluid/scheme/step_data.hpp"
+#include "tests/fluid/solid_case.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+namespace strake::fluid {
+namespace {
+
+constexpr double l0 = 0.01, width = 0.04;
+
+/// A tank `width` across z.
+Parameters channel() {
+  Parameters p = basin(0.2, 0.06, l0, 0.08);
+  for (auto* box : {&p.tank, &p.water}) {
+    box->min[2] = 0;
+    box->max[2] = width;
+  }
+  p.scheme = {};
+  p.scheme.gradient = Gradient::least_squares;
+  p.sound_speed = 1500;
+  return p;
+}
+
+/// A prism of 45 degrees from side wall to side wall, its keel at the height `keel`.
+InterfaceMesh keel_between_walls(double keel) {
+  const InterfaceMesh outline =
+      structure::outline({{0, keel}, {0.05, keel + 0.05}, {-0.05, keel + 0.05}}, l0);
+  return structure::prism_surface(outline, width, 0.5 * width, l0);
+}
+
+// A keel of 45 degrees covers h² of a wall, h its depth. That grows evenly, though the faces meet the places
+// of a whole diagonal of the wall's lattice at once.
+TEST(WallContact, ABodyThatTouchesAWallCoversItGradually) {
+  const Parameters p = channel();
+  const InterfaceMesh body = keel_between_walls(0.003);
+  Points down = Points::Zero(3, body.position.cols());
+  StepData<3> step(p, body, down, PairData::inverses, {});
+  WallContact<3> walls(step.boundary, step.state, l0);
+  double before = 1.75 * 1.75;
+  for (double depth = 1.8 * l0; depth < 2.22 * l0; depth += 0.05 * l0) {
+    down.row(1).setConstant(-0.003 - depth);
+    step.boundary.move(step.state, down, Points::Zero(3, down.cols()), true);
+    step.search_neighbours();
+    walls.update(step.boundary, step.state, step.near_gradient());
+    double covered = 0;
+    for (std::int64_t j = step.boundary.water(); j < step.boundary.first_of_bodies(); ++j)
+      if (step.boundary.master_of(j) < 0 && walls.normal(j).z() > 0.5 && step.state.position(1, j) < 0)
+        covered += walls.wet(j) ? 1 - walls.bare(j) : 1;
+    const double exact = depth * depth / (l0 * l0);  // two triangles
+    EXPECT_NEAR(covered, exact, 0.3) << depth / l0;
+    EXPECT_LT(covered - before, 0.5) << depth / l0;  // 2 h dh = 0.25
+    before = covered;
+  }
+}
+
+}  // namespace
+}  // namespace strake::fluid
