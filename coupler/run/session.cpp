@@ -51,7 +51,15 @@ std::optional<double> added_mass_ratio(const CaseView& view) {
              thickness = view.number("structure.plate.thickness");
   if (!view.coupled() || !density || !length || !solid || !thickness || *solid <= 0 || *thickness <= 0)
     return std::nullopt;
-  return *density * 0.5 * *length / (*solid * *thickness);
+  double per_area = *solid * *thickness;                       // [kg/m²] of the plate
+  if (at_or(view.value, "structure.solver", "") == "rigid") {  // its mass may be another than its material's
+    const bool plane = view.number("fluid.dimension").value_or(2) == 2;
+    const double area = *length * (plane ? 1 : view.number("structure.depth").value_or(0));
+    const double mass = view.number("structure.mass").value_or(0);
+    if (area > 0 && mass > 0) per_area = mass / area;
+    if (area > 0) per_area += view.number("structure.lumped.mass").value_or(0) / area;
+  }
+  return *density * 0.5 * *length / per_area;
 }
 
 Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {

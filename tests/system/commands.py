@@ -75,6 +75,8 @@ def check_leaves_nothing(place):
     drawn = strake("check", CASE, *QUICK, "--picture", "x.png", cwd=place)
     expect(drawn.returncode == 2 and "x.svg" in drawn.stderr, f"check --picture refuses what it cannot draw\n{drawn.stderr}")
     expect(not any(place.iterdir()), "check leaves nothing behind")
+    heavy = strake("check", CASE, *QUICK, "--set", "structure.mass=80", "--set", "structure.lumped.mass=20", cwd=place)
+    expect("rho_s h  0.80\n" in heavy.stdout, "the added-mass ratio of a rigid plate, 1000 x 0.2 x 0.4 kg, is that to its 100 kg")
     explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
                       "coupling.surface.converged.max_iterations=1", cwd=place)
     expect("warning" in explicit.stdout and "one coupling iteration" in explicit.stdout,
