@@ -117,6 +117,11 @@ def compare_draws(place, run):
         drawn = (place / name).read_bytes() if (place / name).exists() else b""
         expect(drawn.startswith(b"\x89PNG") or b"<svg" in drawn[:200], f"compare --plot {name}: exit {result.returncode}\n{result.stderr}")
         expect(f"plot  {name}" in result.stdout, f"compare --plot {name} says what it wrote")
+    alone = strake("compare", run, "--probe", "force.y", "--plot", "alone.svg", cwd=place)
+    expect(alone.returncode == 0 and "<svg" in (place / "alone.svg").read_text()[:200],
+           f"a quantity without a reference is drawn: exit {alone.returncode}\n{alone.stderr}")
+    unknown = strake("compare", run, "--probe", "force", "--plot", "none.svg", cwd=place)
+    expect(unknown.returncode == 3 and "did you mean force." in unknown.stderr, f"a quantity that is not recorded\n{unknown.stderr}")
     several = strake("compare", run, run, cwd=place)
     told = re.findall(r"^(\S+) \[.*\]   ", several.stdout, re.M)
     expect(told == ["force.y", "p_mid"] and "zero in all of them" in several.stdout and "--all" in several.stdout,
