@@ -172,7 +172,9 @@ bool is_far_off(double ratio) {
 }
 
 void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::string>& lines) {
-  if (const double ratio = pace.window / pace.chosen_window; is_far_off(ratio)) {
+  // A window longer than the usual one is not judged where the flow is not known.
+  if (const double ratio = pace.window / pace.chosen_window;
+      is_far_off(ratio) && (ratio < 1 || view.common.chosen.known)) {
     const std::string cost = ratio < 1 ? fmt::format("{:.0f} times as many windows", 1 / ratio)
                              : !view.structures.empty()
                                  ? "the load is a mean over it, and the body's answer within it is lost"
