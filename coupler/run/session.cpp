@@ -32,6 +32,11 @@ double extent_of(const InterfaceMesh& mesh) {
   return (mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff()).maxCoeff();
 }
 
+/// What helped a soft wall whose iterations failed (cases/VALIDATION.md, "A soft wall under water").
+constexpr const char* soft_body_remedy =
+    "shorter windows do not help. Of a soft body structure.damping.stiffness of some 1e-4 s, a longer "
+    "coupling.surface.window or structure.solver = \"particle\" may";
+
 std::string accelerator_title(const std::string& kind) {
   if (kind == "iqn-ils") return "IQN-ILS";
   if (kind == "iqn-imvj") return "IQN-IMVJ";
@@ -266,7 +271,8 @@ RunPlan Session::plan() const {
           .output_every = case_.common.output_every,
           .start = start,
           .control = case_.coupling.control,
-          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
+          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string(),
+          .if_unconverged = case_.coupled() && case_.any_deforms() ? soft_body_remedy : ""};
 }
 
 WindowLoop Session::loop(const RunPlan& plan) {
