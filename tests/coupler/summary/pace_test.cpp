@@ -81,6 +81,19 @@ TEST(Pace, IsSaidWithItsReasons) {
   EXPECT_TRUE(pace_lines(view).empty());
 }
 
+TEST(Pace, ABodyThatStaysWhileTheTankMovesIsSaid) {
+  const auto said = [](const CaseView& view) { return says(far_off_lines(view, 0.5), "moves the tank"); };
+  CaseView view = wedge();
+  EXPECT_FALSE(said(view));
+  view.value["fluid.motion.roll"] = "3";
+  EXPECT_TRUE(said(view));
+  view.value["structure.motion.file"] = "roll.csv";
+  EXPECT_FALSE(said(view));
+  view.value.erase("structure.motion.file");
+  view.value["structure.free.y"] = "true";
+  EXPECT_FALSE(said(view));
+}
+
 TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
   CaseView view = wedge();
   EXPECT_TRUE(far_off_lines(view, 0.5).empty());
