@@ -73,7 +73,9 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
     return ExitCode::command_line;
   }
   if (problem.ends_with('\n')) problem.pop_back();
-  put(stderr, to_text(Error(ExitCode::command_line, name, problem, name + " --help")));
+  const bool comma = problem.starts_with("Could not convert") && problem.find(',') != std::string::npos;
+  put(stderr, to_text(Error(ExitCode::command_line, name, problem,
+                            comma ? "a number has a decimal point, not a comma" : name + " --help")));
   return ExitCode::command_line;
 }
 

@@ -96,7 +96,7 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
     for (const char* suffix : {"", ".min", ".max", ".mean"}) columns.push_back({probe.name + suffix, "Pa"});
     columns.push_back({probe.name + ".impulse", "Pa s"});
   }
-  if (!has_body_) columns.push_back({"floor.y", "N"});
+  if (!has_body_) columns.push_back({"floor.y", dim == 2 ? "N/m" : "N"});
   columns.push_back({"cfl", "1"});
   columns.push_back({"pressure_iterations", "1"});
   const std::string energy = dim == 2 ? "J/m" : "J";

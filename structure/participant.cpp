@@ -40,8 +40,27 @@ Eigen::Vector3d support_velocity(const Parameters& p) {
   return p.free.any() || p.motion ? Eigen::Vector3d(0, 0, 0) : p.velocity;
 }
 
+bool is_of_stress(const ProbeKeys& probe) {
+  return probe.quantity == "stress" || probe.quantity == "von_mises";
+}
+
+/// Whether a solver can measure a probe of the case. Stress is left out where there is none, so that the
+/// solver can be swapped by one word.
+bool can_measure(const Solver& solver, const ProbeKeys& probe) {
+  return probe.of == "structure" && (!is_of_stress(probe) || solver.has_stress());
+}
+
+/// What the case's probes of stress show of a solver without stress; empty: it has none of them.
+std::string unmeasured(const Solver& solver, const std::string& kind, const CommonKeys& common) {
+  std::vector<std::string> names;
+  for (const ProbeKeys& probe : common.probes)
+    if (probe.of == "structure" && !can_measure(solver, probe)) names.push_back(probe.name);
+  if (names.empty()) return {};
+  return fmt::format("left out: output.probe {}: {} structures have no stress", fmt::join(names, ", "), kind);
+}
+
 std::string unit_of(const ProbeKeys& probe) {
-  if (probe.quantity == "stress" || probe.quantity == "von_mises") return "Pa";
+  if (is_of_stress(probe)) return "Pa";
   return probe.quantity == "velocity" ? "m/s" : "m";
 }
 
@@ -115,6 +134,7 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
   if (std::string note = unused_mass(p); !note.empty()) lines.push_back(std::move(note));
   if (p.stays_intact)
     lines.push_back(fmt::format("failure: stays intact, {} structures know no [structure.failure]", p.kind));
+  if (std::string note = unmeasured(solver, p.kind, common); !note.empty()) lines.push_back(std::move(note));
   return lines;
 }
 
@@ -138,7 +158,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
   for (const ProbeKeys& probe : common.probes) {
-    if (probe.of != "structure") continue;
+    if (!can_measure(*solver_, probe)) continue;
     probes_.push_back(probe);
     for (const Component& component : components_of(probe, dimension_))
       probe_columns_.push_back({probe.name + component.name, unit_of(probe)});

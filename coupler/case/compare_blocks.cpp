@@ -42,7 +42,7 @@ bool needs_reference(const std::string& metric) {
 /// Refuses a reference with anything but finite numbers, with its line.
 void check_reference(const CompareBlock& block) {
   const std::filesystem::path& path = block.file;
-  const Table table = read_table(path, largest_table);
+  const Table table = read_given_table(path);
   if (table.columns.size() < 2)
     throw Error(ExitCode::case_file, path.string() + ":1",
                 "a reference curve has two columns, time and value");

@@ -26,6 +26,31 @@ std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>&
   return {};
 }
 
+/// Title of a column's plot: "deflection mid.y".
+std::string title_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
+  const std::string quantity = quantity_of(column, probes);
+  return quantity.empty() ? column : quantity + " " + column;
+}
+
+/// A plot of one column of the run's history, with its first peak; it holds no reference yet.
+report::Plot plot_of(const std::string& column, const RunData& data, const std::string& run_name,
+                     const std::vector<ProbeKeys>& probes) {
+  const std::string quantity = quantity_of(column, probes);
+  report::Plot plot;
+  plot.title = title_of(column, probes);
+  plot.y_name = quantity.empty() ? column : quantity;
+  plot.x_name = "time";
+  plot.x_unit = "s";
+  plot.y_unit = data.history->columns[*data.history->find(column)].unit;
+  report::Series own = {.name = run_name, .curve = curve_of(*data.history, column)};
+  const auto value = data.monitor.find(column + ":first_peak"),
+             time = data.monitor.find(column + ":time_of_first_peak");
+  if (value != data.monitor.end() && time != data.monitor.end())
+    own.marker = CurvePoint{time->second, value->second};
+  plot.series.push_back(std::move(own));
+  return plot;
+}
+
 }  // namespace
 
 picture::Canvas::Kind kind_of_plot(const std::filesystem::path& path) {
@@ -59,32 +84,21 @@ report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>
   return plot;
 }
 
-std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& blocks, const RunData& data,
-                                          const std::string& run_name, const std::vector<ProbeKeys>& probes) {
+std::vector<report::Plot> run_plots(const std::vector<CompareBlock>& blocks, const RunData& data,
+                                    const std::string& run_name, const std::vector<ProbeKeys>& probes,
+                                    const std::vector<std::string>& asked) {
   std::vector<report::Plot> plots;
+  const auto plot_with = [&](const std::string& column) {
+    const auto same = [&](const report::Plot& plot) { return plot.title == title_of(column, probes); };
+    const auto plot = std::find_if(plots.begin(), plots.end(), same);
+    return plot != plots.end() ? plot : plots.insert(plots.end(), plot_of(column, data, run_name, probes));
+  };
+  const auto recorded = [&](const std::string& column) {
+    return data.history != nullptr && data.history->find(column);
+  };
   for (const CompareBlock& block : blocks) {
-    const auto column = data.history == nullptr ? std::nullopt : data.history->find(block.probe);
-    if (!column) continue;
-    const std::string quantity = quantity_of(block.probe, probes);
-    const std::string title = quantity.empty() ? block.probe : quantity + " " + block.probe;
-    const auto same = [&](const report::Plot& plot) { return plot.title == title; };
-    auto plot = std::find_if(plots.begin(), plots.end(), same);
-    if (plot == plots.end()) {
-      report::Plot fresh;
-      fresh.title = title;
-      fresh.y_name = quantity.empty() ? block.probe : quantity;
-      fresh.x_name = "time";
-      fresh.x_unit = "s";
-      fresh.y_unit = data.history->columns[*column].unit;
-      report::Series own = {.name = run_name, .curve = curve_of(*data.history, block.probe)};
-      const auto value = data.monitor.find(block.probe + ":first_peak"),
-                 time = data.monitor.find(block.probe + ":time_of_first_peak");
-      if (value != data.monitor.end() && time != data.monitor.end())
-        own.marker = CurvePoint{time->second, value->second};
-      fresh.series.push_back(std::move(own));
-      plots.push_back(std::move(fresh));
-      plot = std::prev(plots.end());
-    }
+    if (!recorded(block.probe)) continue;
+    const auto plot = plot_with(block.probe);
     for (const CompareBlock::Metric& metric : block.metrics) {
       if (!is_value_of_curve(metric.name)) continue;
       const double value = metric.value * block.divide_by;
@@ -99,6 +113,10 @@ std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>& block
                               .style = static_cast<int>(plot->series.size()),
                               .dots = true,
                               .line = false});
+  }
+  for (const std::string& column : asked) {
+    data.history->column(column);  // refuses a name that the run has not recorded
+    plot_with(column);
   }
   return plots;
 }

@@ -25,8 +25,9 @@ report::Plot overlay_plot(const std::string& quantity, const std::vector<Record>
 
 /// Plots a run against the expectations of its case, one plot for each probe of the blocks. Values of peaks,
 /// means and final values are references, beside the points of reference curves. Plots are named as the case
-/// names them.
-std::vector<report::Plot> reference_plots(const std::vector<CompareBlock>&, const RunData&,
-                                          const std::string& run_name, const std::vector<ProbeKeys>&);
+/// names them. Columns that the user asked for have a plot without a reference as well.
+std::vector<report::Plot> run_plots(const std::vector<CompareBlock>&, const RunData&,
+                                    const std::string& run_name, const std::vector<ProbeKeys>&,
+                                    const std::vector<std::string>& asked);
 
 }  // namespace strake

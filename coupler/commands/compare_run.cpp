@@ -82,8 +82,8 @@ ExitCode compare_run(const CompareOptions& options) {
     fmt::print("{}: no [[compare]] block of its case applies to this run{} ({} in the file)\n",
                visible(folder.string()), options.probes.empty() ? "" : " and that probe", in_file);
   if (!options.plot.empty()) {
-    write_plots(options.plot,
-                reference_plots(blocks, data, folder.string(), common_keys_of(folder / "case.toml").probes));
+    write_plots(options.plot, run_plots(blocks, data, folder.string(),
+                                        common_keys_of(folder / "case.toml").probes, options.probes));
     fmt::print("plot  {}\n", options.plot.string());
   }
   return code;

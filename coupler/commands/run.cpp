@@ -22,6 +22,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -380,7 +381,8 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
   std::optional<CaseView> view;
   std::optional<Run> run;
   try {
-    if (!options.folder.first_free_tag)
+    std::error_code none;  // of a folder, the reader of the case says that it is no case
+    if (!options.folder.first_free_tag && !std::filesystem::is_directory(options.case_file, none))
       find_run_folder(options.case_file, options.folder);  // the quickest refusal first
     view = read_case(options.case_file, sets_of(options), &stop, options.by_hand);
     check_by_hand(options.by_hand, *view);

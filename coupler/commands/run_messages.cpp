@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -65,8 +66,12 @@ Json contact_times(const Summary& summary) {
 RunEnd end_of(ExitCode code, const Summary& summary, const std::filesystem::path& folder,
               const Profile* profile) {
   RunEnd end{.summary = &summary, .folder = folder, .fields = {}, .stopped = {}, .profile = profile};
-  for (const char* fields : {"fluid.xdmf", "structure.xdmf"})
-    if (std::error_code none; std::filesystem::exists(folder / fields, none)) end.fields.emplace_back(fields);
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (entry.path().extension() == ".xdmf") end.fields.push_back(entry.path().filename().string());
+  std::sort(end.fields.begin(), end.fields.end());
+  std::stable_partition(end.fields.begin(), end.fields.end(),
+                        [](const std::string& name) { return name == "fluid.xdmf"; });
   if (code == ExitCode::interrupted || code == ExitCode::terminated || code == ExitCode::hung_up)
     end.stopped = "interrupted";
   else if (code != ExitCode::done)

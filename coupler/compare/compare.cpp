@@ -179,7 +179,7 @@ std::string percent(double part) {
 }  // namespace
 
 Curve reference_curve(const CompareBlock& block) {
-  const Table table = read_table(block.file);
+  const Table table = read_given_table(block.file);
   Curve curve{table.value[0], block.column.empty() ? table.value[1] : table.column(block.column)};
   for (double& t : curve.time) t = block.axes.time_zero + block.axes.time * t;
   for (double& q : curve.value) q = block.axes.value_zero + block.axes.value * q;

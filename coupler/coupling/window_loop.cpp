@@ -88,6 +88,9 @@ void WindowLoop::shorten(const Window& failed, const CommittedWindow& tried, dou
                                               tried.taken_back, longest, failed.dt);
     std::string fix =
         report.fix.empty() ? "look at the last frames: the solution has probably blown up" : report.fix;
+    if (unconverged_ > 0 && !plan_.if_unconverged.empty())
+      fix = fmt::format("{} of {} windows before it were accepted unconverged: {}", unconverged_,
+                        state_.windows, plan_.if_unconverged);
     if (tried.taken_back == 1 && longest > plan_.window * (1 - slack))
       fix += "\nlower coupling.surface.shorter.smallest: it allows no shorter window than the case's";
     if (!plan_.remedy.empty()) fix += "\n" + plan_.remedy;
@@ -126,6 +129,7 @@ CommittedWindow WindowLoop::next() {
   const double line = next_end(), end = window.t + window.dt;
   state_.time = std::abs(end - line) < slack * window.dt ? line : end;
   ++state_.windows;
+  unconverged_ += done.report.converged ? 0 : 1;
   state_.limit = done.report.dt_limit;
   lengthen();
   finished_ = state_.time >= plan_.end - slack * plan_.window;

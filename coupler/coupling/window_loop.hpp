@@ -39,6 +39,8 @@ struct RunPlan {
   LoopState start = {};  // of a resumed run
   WindowControl control = {};
   std::string remedy = {};  // a line of what else the case lets a user change where no window is short enough
+  /// What to change instead of the solver's advice where windows before were accepted unconverged.
+  std::string if_unconverged = {};
 
   long n_windows() const;  // of the whole run, if no solver requests shorter ones
 };
@@ -84,6 +86,7 @@ class WindowLoop {
   RunPlan plan_;
   LoopState state_;
   double frames_passed_ = 0;  // multiples of output_every so far
+  long unconverged_ = 0;      // windows that this loop accepted so; for a message alone
   bool finished_ = false;
 };
 

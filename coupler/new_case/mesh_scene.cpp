@@ -66,7 +66,16 @@ void put_space_tank(NewScene& s, double wide_x, double wide_z, double height) {
 }
 
 /// Makes all lengths of the tank in space whole spacings.
-void round_up(NewScene& s) {
+///
+/// The water reaches at least four spacings down and to each side of the body: the fluid refuses thinner
+/// water, and a coarse spacing may be larger than a slender body's tank.
+void round_up(NewScene& s, double wide_x, double wide_z) {
+  const double least = 4 * s.spacing;
+  s.right = std::max(s.right, 0.5 * wide_x + least);
+  s.front = std::max(s.front, 0.5 * wide_z + least);
+  s.left = -s.right;
+  s.back = -s.front;
+  s.bottom = std::min(s.bottom, -least);
   const auto round = [&s](double& x) {
     x = std::copysign(s.spacing * std::ceil(std::abs(x) / s.spacing - 1e-9), x);
   };
@@ -153,7 +162,7 @@ NewScene mesh_scene(const NewAnswers& answers) {
   } else {
     put_space_tank(s, wide_x, wide_z, height);
     s.spacing = chosen_spacing_or(spacing_in_space(s), answers, "body's width", width);
-    round_up(s);
+    round_up(s, wide_x, wide_z);
   }
   s.warning = size_warning({wide_x, height, wide_z}, s.dimension, scale);
   const double gap = rigid_gap * s.spacing;

@@ -32,6 +32,11 @@ double extent_of(const InterfaceMesh& mesh) {
   return (mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff()).maxCoeff();
 }
 
+/// What helped a soft wall whose iterations failed (cases/VALIDATION.md, "A soft wall under water").
+constexpr const char* soft_body_remedy =
+    "shorter windows do not help. Of a soft body structure.damping.stiffness of some 1e-4 s, a longer "
+    "coupling.surface.window or structure.solver = \"particle\" may";
+
 std::string accelerator_title(const std::string& kind) {
   if (kind == "iqn-ils") return "IQN-ILS";
   if (kind == "iqn-imvj") return "IQN-IMVJ";
@@ -51,7 +56,15 @@ std::optional<double> added_mass_ratio(const CaseView& view) {
              thickness = view.number("structure.plate.thickness");
   if (!view.coupled() || !density || !length || !solid || !thickness || *solid <= 0 || *thickness <= 0)
     return std::nullopt;
-  return *density * 0.5 * *length / (*solid * *thickness);
+  double per_area = *solid * *thickness;                       // [kg/m²] of the plate
+  if (at_or(view.value, "structure.solver", "") == "rigid") {  // its mass may be another than its material's
+    const bool plane = view.number("fluid.dimension").value_or(2) == 2;
+    const double area = *length * (plane ? 1 : view.number("structure.depth").value_or(0));
+    const double mass = view.number("structure.mass").value_or(0);
+    if (area > 0 && mass > 0) per_area = mass / area;
+    if (area > 0) per_area += view.number("structure.lumped.mass").value_or(0) / area;
+  }
+  return *density * 0.5 * *length / per_area;
 }
 
 Session::Session(const CaseView& view, const Options& options) : case_(view), options_(options) {
@@ -258,7 +271,8 @@ RunPlan Session::plan() const {
           .output_every = case_.common.output_every,
           .start = start,
           .control = case_.coupling.control,
-          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string()};
+          .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string(),
+          .if_unconverged = case_.coupled() && case_.any_deforms() ? soft_body_remedy : ""};
 }
 
 WindowLoop Session::loop(const RunPlan& plan) {

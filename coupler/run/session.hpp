@@ -104,7 +104,8 @@ class Session {
 /// The window of a case: of its coupling, or the whole time of an analysis without one (static, modal).
 double window_of(const CaseView&);
 /// Ratio ρ a / (ρ_s h) for a plate of half length a and thickness h. It is the added mass of a strip of
-/// structure relative to its own mass. Nothing when the case does not give it.
+/// structure relative to its own mass, of a rigid plate that of the case and what it carries. Nothing when
+/// the case does not give it.
 std::optional<double> added_mass_ratio(const CaseView&);
 
 }  // namespace strake

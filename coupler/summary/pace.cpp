@@ -172,7 +172,9 @@ bool is_far_off(double ratio) {
 }
 
 void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::string>& lines) {
-  if (const double ratio = pace.window / pace.chosen_window; is_far_off(ratio)) {
+  // A window longer than the usual one is not judged where the flow is not known.
+  if (const double ratio = pace.window / pace.chosen_window;
+      is_far_off(ratio) && (ratio < 1 || view.common.chosen.known)) {
     const std::string cost = ratio < 1 ? fmt::format("{:.0f} times as many windows", 1 / ratio)
                              : !view.structures.empty()
                                  ? "the load is a mean over it, and the body's answer within it is lost"
@@ -226,6 +228,20 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));
 }
 
+/// A body that stays where it is while the tank moves past it, which is seldom meant of one that is held.
+void look_at_tank(const CaseView& view, std::vector<std::string>& lines) {
+  const auto given = [&](const char* key) { return !at_or(view.value, key).empty(); };
+  const bool moves = given("fluid.motion.file") || view.number("fluid.motion.amplitude").value_or(0) > 0 ||
+                     view.number("fluid.motion.roll").value_or(0) > 0;
+  const bool one = view.structures.size() == 1 && !view.structures.front().is_body;
+  if (!moves || !one || view.moves_freely() || given("structure.motion.file")) return;
+  const std::string& solver = view.structures.front().solver;
+  if (solver == "fem" || solver == "particle" || solver == "ccx" || solver == "rigid")
+    lines.push_back(
+        "fluid.motion moves the tank, and what holds the body stays at rest: "
+        "structure.motion.file moves it along, with the tank's motion as a table");
+}
+
 }  // namespace
 
 std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
@@ -234,6 +250,7 @@ std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
   look_at_units(view, lines);
+  look_at_tank(view, lines);
   constexpr double usual = 40;  // spacings across a body
   const double l0 = view.number("fluid.spacing").value_or(0);
   if (const double ratio = extent > 0 ? l0 / (extent / usual) : 1; is_far_off(ratio))

@@ -78,7 +78,11 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& b
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
   if (!(half > 0)) return Wetted{};
   const bool grows = half > 1.01 * half_width_below(body, lowest + 0.95 * rise);
-  return Wetted{half, (grows ? rise : rise_that_wets(body, lowest, half, rise)) / half, !grows};
+  if (grows) return Wetted{half, rise / half, false};
+  // The outermost point may stand on the side above the face, half a plate's thickness higher.
+  const double inner = 0.95 * half, whole = rise_that_wets(body, lowest, half, rise) / half,
+               face = rise_that_wets(body, lowest, inner, rise) / inner;
+  return Wetted{half, whole > 2 * face ? face : whole, true};
 }
 
 /// Returns the spacings on half the wetted width that a jet of `jet` spacings needs, at least `least`:

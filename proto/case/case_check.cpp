@@ -119,7 +119,8 @@ void CaseFile::refuse_unknown(const std::string& prefix) const {
   const Error unknown(ExitCode::case_file, place(search.found.front()), problem,
                       advice(document, search.found.front().path));
   if (!document.collects) throw unknown;
-  document_->refused.push_back(unknown);
+  // First: what is missing may be what has a misspelt name.
+  document_->refused.insert(document_->refused.begin(), unknown);
 }
 
 void CaseFile::read_all(const std::function<void()>& read) {

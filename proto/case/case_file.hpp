@@ -175,6 +175,8 @@ class CaseTable {
 
   CaseTable table(const std::string& name, const std::string& help = {});  // empty view if absent
   std::vector<CaseTable> tables(const std::string& name, const std::string& help = {});  // [[name]]
+  /// Tables that the case may have below this one. A misspelt name is compared with them.
+  void knows(const std::vector<std::string>& names);
   /// Every key below this table is accepted unread (a user's own program).
   void accept_all();
   std::vector<std::string> keys() const;  // as they stand in the file, without declaring them

@@ -62,13 +62,15 @@ std::string in_unit(const std::string& unit) {
   return unit.empty() || unit == "1" ? "" : " in " + unit;
 }
 
-/// "210 GPa" → 210e9 where the unit is Pa; empty if the text is no number with that unit.
+/// "210 GPa" → 210e9 where the unit is Pa, "0,5" → 0.5; empty if the text is no number with that unit.
 std::string without_unit(const std::string& text, const std::string& unit) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || !std::isfinite(value)) return {};
   const std::string number(text.data(), end);
   std::string rest(end, text.data() + text.size());
+  if (rest.size() > 1 && rest[0] == ',' && rest.find_first_not_of("0123456789", 1) == std::string::npos)
+    return number + "." + rest.substr(1);
   rest.erase(0, rest.find_first_not_of(' '));
   if (rest.empty() || rest == unit) return number;
   static const std::pair<const char*, int> prefixes[] = {{"G", 9},  {"M", 6},  {"k", 3},  {"c", -2},
@@ -352,6 +354,10 @@ std::vector<CaseTable> CaseTable::tables(const std::string& name, const std::str
   for (const CaseTable& element : elements) document_->tables.insert(element.path_);
   if (!help.empty()) d.record("", false);
   return elements;
+}
+
+void CaseTable::knows(const std::vector<std::string>& names) {
+  for (const std::string& name : names) document_->tables.insert(path_ + "." + name);
 }
 
 void CaseTable::accept_all() {

@@ -196,8 +196,9 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
   choice.speed = speed_of(file, keys, g);
   const std::string& solver = keys.structure_solver;
-  const bool known = is_elastic(keys) || solver == "rigid" || solver == "none";
-  if (keys.preset == "paper" || keys.fluid_solver != "mps" || !known) {
+  const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
+  choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";
+  if (!choice.known) {
     choice.why = "the usual one where Strake does not know the flow";
     return choice;
   }

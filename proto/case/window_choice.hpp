@@ -11,6 +11,7 @@ struct CommonKeys;
 struct WindowChoice {
   double window = 1e-5;  // [s]
   bool level = true;     // a level face may meet the water: its first pressure needs steps that resolve sound
+  bool known = true;     // the flow is: otherwise the window is the usual one, and no measure of another
   double speed = 0;      // [m/s] of the body, or of waves in the water
   std::string why;       // the bound that decided, in words
 };

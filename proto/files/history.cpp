@@ -142,6 +142,9 @@ std::optional<Table::BadLine> Table::add_header(std::string_view line) {
   for (std::optional<std::string_view> rest = line; rest;) {
     const std::string_view cell = next_cell(rest);
     const std::size_t bracket = cell.find('[');
+    if (cell.find("];") != std::string_view::npos)
+      return BadLine{"columns are separated by ';'",
+                     "separate columns by commas, and write numbers with a decimal point: 0.25,1.5"};
     if (bracket == std::string_view::npos || bracket == 0 || !cell.ends_with(']'))
       return BadLine{fmt::format("\"{}\" names no column", cell), header_fix};
     named.push_back({std::string(trimmed(cell.substr(0, bracket))),
@@ -173,21 +176,36 @@ std::optional<Table::BadLine> Table::add(std::string_view text) {
   return std::nullopt;
 }
 
-Table read_table(const std::filesystem::path& path, std::uintmax_t largest) {
+namespace {
+
+Table read_table(const std::filesystem::path& path, std::uintmax_t largest, bool last_counts) {
   const std::string bytes = bytes_of(path, largest);
   Table table;
   table.path = path;
   std::string_view rest = bytes;
   int number = 0;
-  // A line counts once its newline is written.
-  for (std::size_t end = rest.find('\n'); end != std::string_view::npos; end = rest.find('\n')) {
+  const auto add = [&](std::string_view line) {
     ++number;
-    if (const auto bad = table.add(rest.substr(0, end)))
+    if (const auto bad = table.add(line))
       throw Error(ExitCode::case_file, fmt::format("{}:{}", path.string(), number), bad->problem, bad->fix);
+  };
+  for (std::size_t end = rest.find('\n'); end != std::string_view::npos; end = rest.find('\n')) {
+    add(rest.substr(0, end));
     rest.remove_prefix(end + 1);
   }
+  if (last_counts && !rest.empty()) add(rest);
   if (table.columns.empty()) throw Error(ExitCode::case_file, path.string(), "holds no columns", header_fix);
   return table;
+}
+
+}  // namespace
+
+Table read_table(const std::filesystem::path& path) {
+  return read_table(path, any_size, false);
+}
+
+Table read_given_table(const std::filesystem::path& path) {
+  return read_table(path, largest_table, true);
 }
 
 }  // namespace strake

@@ -58,7 +58,10 @@ struct Table {
   std::optional<BadLine> add_header(std::string_view line);
 };
 /// Lines that begin with # are notes (origin, licence). Throws Error(case_file) with file:line for a bad
-/// header, a bad number or a line of wrong length. A user's table is read up to `largest_table`.
-Table read_table(const std::filesystem::path&, std::uintmax_t largest = any_size);
+/// header, a bad number or a line of wrong length. Of a run's file a last line without its newline was cut
+/// off and does not count.
+Table read_table(const std::filesystem::path&);
+/// The same of a table that a user has written, up to `largest_table`. Its last line counts in any case.
+Table read_given_table(const std::filesystem::path&);
 
 }  // namespace strake

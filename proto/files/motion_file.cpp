@@ -55,7 +55,7 @@ const Accepted& accept(const Column& column, const std::string& path) {
 }  // namespace
 
 MotionTable read_motion(const std::filesystem::path& path) {
-  const Table table = read_table(path, largest_table);
+  const Table table = read_given_table(path);
   const auto wrong = [&](const std::string& problem, const std::string& fix = example) {
     return Error(ExitCode::case_file, path.string(), problem, fix);
   };
@@ -93,7 +93,7 @@ MotionTable read_motion(const std::filesystem::path& path) {
 }
 
 VelocityProfile read_velocity_profile(const std::filesystem::path& path) {
-  const Table table = read_table(path, largest_table);
+  const Table table = read_given_table(path);
   const auto wrong = [&](const std::string& problem) {
     return Error(ExitCode::case_file, path.string(), problem, "a first line like: x [m],vy [m/s]");
   };

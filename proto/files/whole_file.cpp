@@ -79,11 +79,11 @@ int synced(int file) {
 }  // namespace
 
 Error cannot_write(const std::filesystem::path& path, int error_number) {
-  std::string fix = "free space there or choose another folder with --runs";
+  std::string fix = "free space there or choose another folder: --runs of a run, -o of one file";
   if (error_number == ENOENT || error_number == ENOTDIR)
     fix = "make the folder " + path.parent_path().string();
   if (error_number == EACCES || error_number == EROFS || error_number == EPERM)
-    fix = "choose a folder that may be written with --runs";
+    fix = "choose a folder that may be written: --runs of a run, -o of one file";
   return {ExitCode::cannot_write, path.string(),
           "cannot be written: " + std::generic_category().message(error_number), fix};
 }

@@ -30,7 +30,7 @@ Error wrong(const std::string& file, const std::string& problem, const std::stri
 
 Offsets read_table_of_offsets(const std::filesystem::path& path) {
   constexpr std::array<const char*, 3> names = {"station", "height", "half_breadth"};
-  Table table = read_table(path, largest_table);
+  Table table = read_given_table(path);
   Offsets offsets{.file = path.string(), .value = {}};
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto found = std::find_if(table.columns.begin(), table.columns.end(),

@@ -269,12 +269,6 @@ void check_face(CaseTable load, const Parameters& p) {
 /// A probe of the structure measures a material point, so it must be one.
 void check_probes(const CaseFile& file, const CommonKeys& common, const Parameters& p) {
   for (const ProbeKeys& probe : common.probes) {
-    const bool of_stress = probe.quantity == "stress" || probe.quantity == "von_mises";
-    if (probe.of == "structure" && of_stress && p.kind != "fem" && p.kind != "particle")
-      throw Error(ExitCode::case_file,
-                  fmt::format("{}: output.probe \"{}\"", file.path().string(), probe.name),
-                  fmt::format("quantity = \"{}\": a {} structure has no stress", probe.quantity, p.kind),
-                  "structure.solver = \"fem\" or \"particle\"");
     if (probe.of != "structure" || is_in_body(p, probe.at)) continue;
     const Box box = bounds(p);
     throw Error(

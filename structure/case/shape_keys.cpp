@@ -211,6 +211,7 @@ void check_body(CaseTable t, const CommonKeys& common, const Parameters& p) {
 
 void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
   std::vector<std::string> given;
+  t.knows({"box", "wedge", "cylinder", "sphere"});
   for (const std::string name : {"box", "mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (t.has(name)) given.push_back(name);
   const bool all = file.only_declares();

@@ -49,6 +49,7 @@ class FemSolver final : public Solver {
   /// Linear momentum of the body and a free frame [kg m/s].
   Eigen::Vector3d momentum() const;
   /// Mean over the cells of one part that meet in the nodes around it.
+  bool has_stress() const override { return true; }
   Stress stress_at(const Eigen::Vector3d& X) const override;
   void save() override { saved_ = state_; }
   void restore() override;

@@ -36,6 +36,7 @@ class ParticleSolver final : public Solver {
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
+  bool has_stress() const override { return true; }
   Stress stress_at(const Eigen::Vector3d& X) const override;
   void save() override { saved_ = state_; }
   void restore() override;

@@ -71,6 +71,8 @@ class Solver {
   /// Displacement [m] and velocity [m/s] of the material point that was at X.
   virtual Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const = 0;
   virtual Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const = 0;
+  /// Whether it computes stress. Probes of stress are left out where it does not.
+  virtual bool has_stress() const { return false; }
   /// Cauchy stress there. Default: Error(case_file), "has no stress".
   virtual Stress stress_at(const Eigen::Vector3d& X) const;
   virtual void save() = 0;  // in memory

@@ -62,6 +62,20 @@ TEST(StructureParticipant, DeflectionIsTheDisplacementLessThatOfTheSupports) {
   EXPECT_EQ(velocity.advance(window, {}).monitor.at("mid.y"), -6.26);
 }
 
+TEST(StructureParticipant, ProbesOfStressAreLeftOutWhereThereIsNone) {
+  Parameters p = driven_plate();
+  p.kind = "rigid";
+  for (const char* quantity : {"stress", "von_mises"}) {
+    StructureParticipant plate(std::make_unique<Rigid>(p), p, mid_probe(quantity), {});
+    for (const Column& column : plate.description().columns) EXPECT_NE(column.name.substr(0, 3), "mid");
+    EXPECT_EQ(plate.description().lines.back(),
+              "left out: output.probe mid: rigid structures have no stress");
+    EXPECT_EQ(plate.advance({0, 1e-5}, {}).monitor.count("mid"), 0u);
+  }
+  const StructureParticipant elastic(std::make_unique<ParticleSolver<2>>(p), p, mid_probe("von_mises"), {});
+  EXPECT_EQ(elastic.description().columns.at(0).name, "mid");
+}
+
 TEST(StructureParticipant, RewindIsBitExactForMotionProbesAndEnergies) {
   StructureParticipant plate = particles(driven_plate());
   const Input load = push(plate.mesh(), 1e4), other = push(plate.mesh(), -7e4);

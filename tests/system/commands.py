@@ -75,6 +75,8 @@ def check_leaves_nothing(place):
     drawn = strake("check", CASE, *QUICK, "--picture", "x.png", cwd=place)
     expect(drawn.returncode == 2 and "x.svg" in drawn.stderr, f"check --picture refuses what it cannot draw\n{drawn.stderr}")
     expect(not any(place.iterdir()), "check leaves nothing behind")
+    heavy = strake("check", CASE, *QUICK, "--set", "structure.mass=80", "--set", "structure.lumped.mass=20", cwd=place)
+    expect("rho_s h  0.80\n" in heavy.stdout, "the added-mass ratio of a rigid plate, 1000 x 0.2 x 0.4 kg, is that to its 100 kg")
     explicit = strake("check", CASE, "--set", "structure.solver=particle", "--set",
                       "coupling.surface.converged.max_iterations=1", cwd=place)
     expect("warning" in explicit.stdout and "one coupling iteration" in explicit.stdout,
@@ -115,6 +117,11 @@ def compare_draws(place, run):
         drawn = (place / name).read_bytes() if (place / name).exists() else b""
         expect(drawn.startswith(b"\x89PNG") or b"<svg" in drawn[:200], f"compare --plot {name}: exit {result.returncode}\n{result.stderr}")
         expect(f"plot  {name}" in result.stdout, f"compare --plot {name} says what it wrote")
+    alone = strake("compare", run, "--probe", "force.y", "--plot", "alone.svg", cwd=place)
+    expect(alone.returncode == 0 and "<svg" in (place / "alone.svg").read_text()[:200],
+           f"a quantity without a reference is drawn: exit {alone.returncode}\n{alone.stderr}")
+    unknown = strake("compare", run, "--probe", "force", "--plot", "none.svg", cwd=place)
+    expect(unknown.returncode == 3 and "did you mean force." in unknown.stderr, f"a quantity that is not recorded\n{unknown.stderr}")
     several = strake("compare", run, run, cwd=place)
     told = re.findall(r"^(\S+) \[.*\]   ", several.stdout, re.M)
     expect(told == ["force.y", "p_mid"] and "zero in all of them" in several.stdout and "--all" in several.stdout,

@@ -19,6 +19,9 @@ CASES = [
     ("a preset that does not exist", 'preset = "improved"', 'preset = "improve"', 3, ["preset", "improved", "paper"]),
     ("a misspelt key of a side that is absent", 'solver = "fem"', 'solver = "none"\nE = 3', 3,
      ["wrong.toml:", "structure.E", 'solver is "none"', "strake explain structure"]),
+    ("a misspelt table of a shape", "[structure.plate]", "[structure.wegde]", 3,
+     ["wrong.toml:", "structure.wegde is not a key", "did you mean wedge?"]),
+    ("a number with a decimal comma", "spacing = 0.01 ", 'spacing = "0,01" ', 3, ["fluid.spacing", "fix: spacing = 0.01"]),
     ("a solver that does not exist", 'solver = "fem"', 'solver = "femm"', 3, ["structure.solver", "fem"]),
     ("a syntax error", "end_time = 0.03", "end_time = = 0.03", 3, ["wrong.toml:"]),
     ("a missing required key", "end_time = 0.03", "", 3, ["end_time"]),
@@ -140,6 +143,7 @@ with folder() as place:
     for what, words, code in [
         ("no such command", ["fly"], 2), ("no case", ["run"], 2), ("an unknown option", ["run", case, "--fast"], 2),
         ("a case that does not exist", ["run", place / "none.toml"], 3), ("a folder for a case", ["run", place], 3),
+        ("a folder beside runs", ["run", "."], 3), ("a decimal comma", ["new", "wedge", "--width", "0,5"], 2),
         ("--set without a value", ["run", case, "--set", "fluid.spacing"], 2),
         ("--set of an unknown key", ["run", ROOT / "cases" / "plate_entry.toml", "--set", "fluid.spacng=0.02"], 3),
         ("--set of a wrong type", ["run", ROOT / "cases" / "plate_entry.toml", "--set", "fluid.spacing=small"], 3),

@@ -2,6 +2,7 @@
 
 #include "coupler/coupling/scheme.hpp"
 #include "coupler/coupling/window_loop.hpp"
+#include "proto/error.hpp"
 #include "tests/method/coupling/piston_models.hpp"
 
 #include <gtest/gtest.h>
@@ -94,14 +95,16 @@ TEST(Convergence, IteratesAtLeastAndAtMostAsOftenAsAsked) {
 /// dt².
 class Spring final : public models::Model<double> {
  public:
-  Spring() { begin(models::line_of_points("fluid", 1), 0); }
+  explicit Spring(double until = 1) : until_(until) { begin(models::line_of_points("fluid", 1), 0); }
 
  private:
-  Advanced step(const Window&, const Input& input) override {
+  Advanced step(const Window& window, const Input& input) override {
     Advanced answer;
+    answer.retry_smaller_dt = window.t > until_;
     answer.output = {models::y_field("force", "N", -200 * models::y_of(input, "displacement"))};
     return answer;
   }
+  double until_;  // [s] from then on no window is short enough
 };
 
 TEST(Convergence, HalvesWindowsUntilTheyConverge) {
@@ -129,6 +132,35 @@ TEST(Convergence, HalvesWindowsUntilTheyConverge) {
   EXPECT_EQ(taken_back, 2);  // from 0.1 s, error times 2, over 0.05 s, halved in each of ten iterations
   EXPECT_EQ(windows, 20);    // of 0.025 s, error times 1/8
   EXPECT_EQ(scheme.state().windows, windows);
+}
+
+// A shorter window is no advice where the iterations failed before.
+TEST(Convergence, WindowsAcceptedUnconvergedAreSaidWhereTheRunEnds) {
+  for (const int iterations : {3, 60}) {
+    Spring spring(0.15);
+    models::Oscillators mass(MatrixXd::Identity(1, 1), MatrixXd::Zero(1, 1), VectorXd::Constant(1, 0.1),
+                             VectorXd::Zero(1), models::Rule::backward);
+    SchemeParameters parameters;
+    parameters.convergence = {1e-6, 0, Measure::increment, 1, iterations, Unconverged::accept};
+    parameters.accelerator.kind = "constant";
+    parameters.accelerator.initial_relaxation = 0.3;
+    Scheme scheme(spring, mass, nearest_neighbour(mass.mesh(), spring.mesh()), parameters);
+    RunPlan plan = {.end = 0.5, .window = 0.1, .output_every = 0};
+    plan.if_unconverged = "shorter windows do not help";
+    WindowLoop loop(scheme, plan);
+    const bool failed = !loop.next().report.converged && !loop.next().report.converged;
+    if (!failed) loop.next();
+    EXPECT_EQ(failed, iterations == 3);
+    try {
+      loop.next();
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(
+          error.fix() == "2 of 2 windows before it were accepted unconverged: shorter windows do not help",
+          failed)
+          << error.fix();
+    }
+  }
 }
 
 }  // namespace

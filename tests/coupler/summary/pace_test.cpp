@@ -81,6 +81,19 @@ TEST(Pace, IsSaidWithItsReasons) {
   EXPECT_TRUE(pace_lines(view).empty());
 }
 
+TEST(Pace, ABodyThatStaysWhileTheTankMovesIsSaid) {
+  const auto said = [](const CaseView& view) { return says(far_off_lines(view, 0.5), "moves the tank"); };
+  CaseView view = wedge();
+  EXPECT_FALSE(said(view));
+  view.value["fluid.motion.roll"] = "3";
+  EXPECT_TRUE(said(view));
+  view.value["structure.motion.file"] = "roll.csv";
+  EXPECT_FALSE(said(view));
+  view.value.erase("structure.motion.file");
+  view.value["structure.free.y"] = "true";
+  EXPECT_FALSE(said(view));
+}
+
 TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
   CaseView view = wedge();
   EXPECT_TRUE(far_off_lines(view, 0.5).empty());
@@ -89,6 +102,9 @@ TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
       << far_off_lines(view, 0.5)[0];
   view.common.window = 3e-3;
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "30 times what Strake would take, 0.0001 s"));
+  view.common.chosen.known =
+      false;  // a program of the user's: the usual window is no measure of a longer one
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
   view = wedge();
   view.value["fluid.scheme.time_step"] = "2e-6";
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.scheme.time_step = 2e-06 is 1/50 of"));

@@ -133,6 +133,19 @@ TEST(Resolution, CountsSpacingsThroughTheJetThatLeavesTheFace) {
   EXPECT_FALSE(says(resolution_lines(case_with(0.008, 0.012), flat.mesh, flat.velocity), "jet"));
 }
 
+// A plate of 0.4 m at half a degree: its outermost points stand on its sides, 4 mm above the lower face.
+TEST(Resolution, APlateThatIsNearlyLevelHasNoJet) {
+  InterfaceMesh plate;
+  plate.dimension = 2;
+  plate.position = Points::Zero(3, 4);
+  plate.position.topRows(2) << -0.195, 0.195, 0.2, -0.2, 0, 0.0034, 0.0075, 0.004;
+  plate.faces.resize(2, 4);
+  plate.faces << 0, 1, 2, 3, 1, 2, 3, 0;
+  Points velocity = Points::Zero(3, 4);
+  velocity.row(1).setConstant(-2.4);
+  EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.012), plate, velocity), "jet"));
+}
+
 TEST(Resolution, SaysThatOneSpacingIsNotCheckedAgainstASecond) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.01, 1), {}, {}), "not checked against a second spacing"));
   CaseView dry = case_with(0.01, 1);

@@ -109,6 +109,16 @@ TEST(ReadTable, LeavesOutALastLineWithoutItsNewline) {
   EXPECT_EQ(read_table(folder / "a.csv").rows(), 1u);
 }
 
+TEST(ReadTable, OfAUserTakesALastLineWithoutItsNewline) {
+  const TemporaryFolder folder;
+  put(folder / "a.csv", "time [s],x [m]\n1,2\n3,4");
+  const Table table = read_given_table(folder / "a.csv");
+  ASSERT_EQ(table.rows(), 2u);
+  EXPECT_EQ(table.column("x")[1], 4);
+  put(folder / "a.csv", "time [s],x [m]\n1,2\n");
+  EXPECT_EQ(read_given_table(folder / "a.csv").rows(), 1u);
+}
+
 TEST(ReadTable, TakesNotesBlanksAndCarriageReturns) {
   const TemporaryFolder folder;
   put(folder / "a.csv",
@@ -132,6 +142,7 @@ TEST(ReadTable, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_NE(text("time [s],x [m]\n1,2\n3\n").find("a.csv:3: 1 values in a table of 2 columns"),
             std::string::npos);
   EXPECT_NE(text("time,x\n1,2\n").find("a.csv:1: \"time\" names no column"), std::string::npos);
+  EXPECT_NE(text("time [s];x [m]\n1;2,5\n").find("a.csv:1: columns are separated by ';'"), std::string::npos);
   EXPECT_NE(text("").find("holds no columns"), std::string::npos);
   EXPECT_NE(text_of_error([&] { read_table(folder.path()); }, ExitCode::case_file).find("cannot be read"),
             std::string::npos);

@@ -31,7 +31,7 @@ TEST(WholeFile, WhatNeverEndsIsRefusedAtOnce) {
        {std::string("/dev/zero"), std::string("/dev/random"), (folder / "pipe").string()}) {
     expect_refused([&] { read_whole(path, any_size, path); }, path + ": is a pipe, a device or a socket");
     expect_refused([&] { CaseFile::load(path); }, path + ": is a pipe, a device or a socket");
-    expect_refused([&] { read_table(path, largest_table); }, path + ": is a pipe, a device or a socket");
+    expect_refused([&] { read_given_table(path); }, path + ": is a pipe, a device or a socket");
   }
   expect_refused([&] { read_whole(folder.path(), any_size, "x"); }, "x: is a folder, not a file");
 }
@@ -41,7 +41,7 @@ TEST(WholeFile, AFileAboveItsSizeIsRefusedBeforeItIsRead) {
   put(folder / "a.toml", "end_time = 1");
   std::filesystem::resize_file(folder / "a.toml", std::uintmax_t{1} << 40);  // sparse: takes no room
   expect_refused([&] { CaseFile::load(folder / "a.toml"); }, "has 1.1e+06 MB, at most 16.8 MB are read here");
-  expect_refused([&] { read_table(folder / "a.toml", largest_table); }, "at most 1.07e+03 MB");
+  expect_refused([&] { read_given_table(folder / "a.toml"); }, "at most 1.07e+03 MB");
 }
 
 TEST(WholeFile, AKeyThatNamesAFileRefusesAPipe) {

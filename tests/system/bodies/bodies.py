@@ -66,7 +66,9 @@ with folder() as name:
     # Two plates in a basin that is symmetric about x = 0: a wall in the plane of symmetry changes nothing.
     (place / "two.toml").write_text(plates(0.02, -1, 1, -0.5, 0.5))
     (place / "one.toml").write_text(plates(0.02, -1, 0, -0.5))
-    run(place, "two.toml"), run(place, "one.toml")
+    said = run(place, "two.toml").stdout
+    expect("fluid.xdmf  left.xdmf  right.xdmf" in said, "the console names the fields of every body")
+    run(place, "one.toml")
     two, one = columns(runs / "two"), columns(runs / "one")
     alone = mean(one["force.y [N/m]"])
     for body in ("left", "right"):

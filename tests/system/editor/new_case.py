@@ -99,6 +99,10 @@ def options_arrive(place):
     checked = strake("check", "box_stl.toml", cwd=place)
     expect(checked.returncode == 0 and "mass 312 kg" in checked.stdout,
            f"an STL file in mm, away from the origin: exit {checked.returncode}\n{made.stderr}{checked.stderr}")
+    (place / "bar.stl").write_text(box_of_stl((0, 0, 0), (1.0, 0.05, 0.05)))
+    strake("new", "mesh", "bar.stl", "--spacing", "0.1", "-o", "bar.toml", cwd=place)
+    checked = strake("check", "bar.toml", cwd=place)
+    expect(checked.returncode == 0, f"a coarse spacing of a slender body: exit {checked.returncode}\n{checked.stderr}")
     word = strake("new", "mesh", "box.stl", "--scale", "0.001", "-o", "word.toml", cwd=place)
     expect(word.returncode == 0, f"the file without --mesh: exit {word.returncode} {word.stderr}")
     expect("0.5 m wide, 0.2 m high" in (place / "box_stl.toml").read_text(), "its size stands in the file")
