@@ -212,11 +212,10 @@ void read_scheme(CaseTable t, const CommonKeys& common, double sound_speed, bool
            {.min = 0, .max = 1, .exclusive = true, .help = "largest speed times time step over spacing"});
   read_source(t.table("source", "what the pressure equation corrects"), s);
   read_surface(t.table("surface", "which particles are free surface"), s);
-  t.flag(
-      "negative_pressure", s.negative_pressure,
-      {.paper = false,
-       .help = "false: no tension near a free surface, below it at most rho u^2, or the atmosphere where a "
-               "submerged body rises; a closed tank has it all"});
+  t.flag("negative_pressure", s.negative_pressure,
+         {.paper = false,
+          .help = "false: no tension near a free surface, below it at most rho u^2, or the atmosphere with "
+                  "fluid.submerged; a closed tank has it all"});
   read_anti_penetration(t.table("anti_penetration", "water that comes too near a solid"), s);
   read_pressure(t.table("pressure", "how the pressure equation is solved"), s);
   t.number("shifting", s.shifting,

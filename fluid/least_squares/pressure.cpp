@@ -11,7 +11,7 @@ template <int dim>
 void LeastSquaresScheme<dim>::begin_equation(const Boundary<dim>& boundary, const State<dim>& state,
                                              const Vector<dim>& gravity) {
   equation_.limited.assign(static_cast<std::size_t>(boundary.water()), Limit::none);
-  equation_.tension = true;
+  equation_.tension.setOnes(boundary.water());
   now_.gravity = gravity;
   now_.largest_speed = fastest(boundary, state);
   now_.deferred = 1 - corrected_fraction(state);

@@ -68,6 +68,7 @@ void LeastSquaresScheme<dim>::resize(std::int64_t water) {
         &surface_.kappa, &surface_.slope_weight, &surface_.share, &film_.share})
     v->setZero(water);
   for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
+  equation_.tension.setOnes(water);
   pressure_gradient_.setZero(dim, water);
 }
 

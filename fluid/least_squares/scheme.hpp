@@ -84,8 +84,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
   void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
-  /// Limits negative pressure by the distance to the free surface (F46). Afterwards a face pulls no particle
-  /// more than its own water does.
+  /// Limits negative pressure by the distance to the free surface (F46). Afterwards a face pulls a particle
+  /// no more than its own water does, but for water beside a body that stood in it (EquationTerms::tension).
   void limit_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m] (F47).
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
@@ -158,7 +158,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXd source;             // right side without walls, ∇·u* and g
     Eigen::VectorXd pressure_at_start;  // of the group of sub-steps [Pa]
     std::vector<Limit> limited;         // which limit has changed the pressure
-    bool tension = true;                // no `limit_tension` in this step
+    Eigen::VectorXf tension;            // share to which a face may pull it; 1 without `limit_tension`
   };
   /// Numbers of the present step.
   struct StepNumbers {

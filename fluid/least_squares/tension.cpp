@@ -5,34 +5,19 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
 
-/// Whether a body rises in the water that it stood in at the start, in a tank at rest. The mean velocity of
-/// its points against gravity exceeds 0.001 √(g l0).
-///
-/// The suction under a body that is lifted is m_a dV/dt per area, m_a its added mass: some ρ a dV/dt, a the
-/// half width. While it starts, ρ u² is far smaller, and the water would let go of it.
-template <int dim>
-bool rises(const Parameters& p, const Vector<dim>& gravity, const State<dim>& state) {
-  constexpr double least = 1e-3;
-  if (!p.submerged || p.motion.moves() || state.interface_velocity.cols() == 0) return false;
-  const double g = gravity.norm();
-  const Vector<dim> up = g > 0 ? Vector<dim>(-gravity / g) : Vector<dim>(Vector<dim>::Unit(1));
-  const Vector<dim> mean = state.interface_velocity.rowwise().mean();
-  return mean.dot(up) > least * std::sqrt(g * p.spacing);
-}
-
-}  // namespace
-
+// The suction on a body that moves under water is m_a dV/dt per area, m_a its added mass: some ρ a dV/dt, a
+// the half width. While a body starts, and while an elastic one swings, ρ u² is far smaller. Water with that
+// bound would let go of it. So the atmosphere alone bounds the tension beside a body that stood in the water.
 template <int dim>
 void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State<dim>& state,
                                             const Neighbours& far) {
   const std::int64_t water = boundary.water();
   const LeastSquaresConstants& tuned = least_squares_constants();
   const double of_speed = p_.density * now_.largest_speed * now_.largest_speed;
-  const double most =
-      rises<dim>(p_, now_.gravity, state) ? tuned.largest_tension : std::min(tuned.largest_tension, of_speed);
-  equation_.tension = false;
+  const bool follows = p_.submerged;
+  const double most = follows ? tuned.largest_tension : std::min(tuned.largest_tension, of_speed);
+  equation_.tension.setZero(water);
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
   // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
   const bool several = ranks_.several();
@@ -47,8 +32,9 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
   }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i) {
-    if (!ranks_.owns(i) || state.pressure[i] > 0) continue;
+    if (!ranks_.owns(i) || (!follows && state.pressure[i] > 0)) continue;
     if (!surface_.in_reach[static_cast<std::size_t>(i)] && !(surface_.share[i] > 0)) {
+      if (follows) equation_.tension[i] = 1;
       if (!(state.pressure[i] < -most)) continue;
       state.pressure[i] = -most;
       equation_.limited[static_cast<std::size_t>(i)] = Limit::tension;
@@ -62,11 +48,14 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
         nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
     const double share = std::clamp(
         (nearest / p_.spacing - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to), 0.0, 1.0);
+    if (follows) equation_.tension[i] = static_cast<float>(share);
+    if (state.pressure[i] > 0) continue;
     const double limited = std::max(share * state.pressure[i], -most);
     if (share < 1 || limited > state.pressure[i])
       equation_.limited[static_cast<std::size_t>(i)] = Limit::tension;
     state.pressure[i] = limited;
   }
+  if (follows) ranks_.update(equation_.tension);
 }
 
 template void LeastSquaresScheme<2>::limit_tension(const Boundary<2>&, State<2>&, const Neighbours&);

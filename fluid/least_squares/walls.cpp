@@ -153,11 +153,13 @@ double LeastSquaresScheme<dim>::wall_pressure_increment(const Boundary<dim>& bou
   const Vector<dim> past =
       u + absorbing_velocity(boundary, state, i, j) - free * carried_wall_velocity(state, i, u);
   const double q = slope * past.dot(projected);
-  if (equation_.tension || q >= 0) return q;
-  // The limit is p_i + (h/|P r|) q ≥ min(0, p_i). h is the particle's height over the face; in a corner half
-  // of |P r|.
+  const double tension = equation_.tension[i];
+  if (q >= 0 || tension == 1) return q;
+  // The limit is p_i + (h/|P r|) q ≥ min(0, p_i), and holds in part where water carries some tension (F46).
+  // h is the particle's height over the face; in a corner half of |P r|.
   const double part = std::clamp(height / projected.norm(), 0.0, 1.0);
-  return std::max(q, part > tuned.smallest ? -std::max(0.0, state.pressure[i]) / part : 0.0);
+  const double limited = std::max(q, part > tuned.smallest ? -std::max(0.0, state.pressure[i]) / part : 0.0);
+  return std::lerp(limited, q, tension);
 }
 
 // Computes R_i of (F52). Let s be the gradient fitted from the water neighbours only,
@@ -214,21 +216,24 @@ LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>& boun
     const Vector<dim> face = state.position.col(j) + walls_.depth(j) * normal;
     const auto columns = near.row(j);
     const auto inverses = near.inverses(j);
-    double sum = 0, weights = 0, reactions = 0, least = 0;
+    double sum = 0, weights = 0, reactions = 0, tension = 0, least = 0;
     for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
       const std::int64_t i = columns[e];
       const double w = walls_.bare(j) * (gradient_.radius * inverses[e] - 1);
       if (w <= 0 || !is_over(boundary, state, i, j)) continue;
       const double up = normal.dot(boundary.tank().periodic().separation(state.position.col(i), face));
       const double on_face = state.pressure[i] + up * normal.dot(pressure_gradient_.col(i));
-      sum += w * (equation_.tension ? on_face : std::max(std::min(0.0, state.pressure[i]), on_face));
+      const double limited = std::max(std::min(0.0, state.pressure[i]), on_face);
+      sum += w * std::lerp(limited, on_face, static_cast<double>(equation_.tension[i]));
+      tension += w * equation_.tension[i];
       least = std::min(least, state.pressure[i]);
       reactions += w * normal.dot(wall_.force.col(i).template cast<double>());
       weights += w;
     }
     if (weights <= 0 || !(area.norm() > 0)) continue;
     const double pressure = sum / weights - reactions / area.norm();
-    state.pressure[j] = equation_.tension ? pressure : std::max(least, pressure);
+    const double limited = std::max(least, pressure);
+    state.pressure[j] = std::lerp(limited, pressure, tension / weights);
     forces.col(j) = -state.pressure[j] * area;
   }
   return forces;
