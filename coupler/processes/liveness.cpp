@@ -49,10 +49,11 @@ void Participants::State::look_after(Member& m) {
   if (perhaps_back && !m.asked.empty()) m.last_sign = Clock::now();
   const auto silence = Clock::now() - std::max(*m.connection.silent_since, m.last_sign);
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
-  const std::string state = has_left                        ? "has closed its connection"
-                            : !m.child                      ? "is frozen or cannot be reached"
-                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
-                                                            : "is frozen (" + m.process() + " lives)";
+  const std::string state = has_left   ? "has closed its connection"
+                            : !m.child ? "is frozen or cannot be reached"
+                            : m.child && m.child->stopped()
+                                ? "is suspended (" + m.process() + ")"
+                                : "is frozen or gets no processor (" + m.process() + " lives)";
   if (!m.connection.silence_told && silence > silence_to_tell) {
     m.connection.silence_told = true;
     say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),

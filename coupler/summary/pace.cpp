@@ -117,7 +117,7 @@ std::string cost_of(double seconds) {
   constexpr double minute = 60, hour = 3600, most = 100;  // a rough guess has two digits
   if (seconds < most) return fmt::format("{:.0f} s", std::max(1.0, seconds));
   if (seconds < most * minute) return fmt::format("{:.0f} min", seconds / minute);
-  return fmt::format("{:.2g} h", seconds / hour);
+  return fmt::format(fmt::runtime(seconds < 10 * hour ? "{:.1f} h" : "{:.0f} h"), seconds / hour);
 }
 
 }  // namespace
