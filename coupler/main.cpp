@@ -68,6 +68,7 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
                                     : fmt::format("did you mean {}?  ({} --help)", meant, name);
     for (const char* ending : {".stl", ".msh", ".inp"})
       if (name == "strake new" && word.ends_with(ending)) fix = "strake new mesh " + word;
+    if (name == "strake" && word == "resume") fix = "strake run CASE --resume";
     put(stderr,
         to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what), fix)));
     return ExitCode::command_line;

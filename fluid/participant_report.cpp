@@ -80,8 +80,11 @@ void FluidParticipant<dim>::check_sensors() const {
         fmt::format("its sensor at ({:.6g}, {:.6g}) m of diameter {:.6g} m covers no point of the {}: the "
                     "nearest is {:.3g} m away",
                     probe.at[0], probe.at[1], probe.diameter, has_body_ ? "body" : "tank's walls", nearest),
-        has_body_ ? "place it on the body's surface, or enlarge its diameter"
-                  : "place it on a wall of the tank, or enlarge its diameter");
+        has_body_
+            ? "place it on the body's surface, or enlarge its diameter; beside a body neither walls nor "
+              "water have sensors, and the pressure of the water stands in the frames (output.every)"
+            : "place it on a wall of the tank, or enlarge its diameter; the pressure inside the water "
+              "stands in the frames (output.every)");
   }
 }
 

@@ -135,9 +135,11 @@ std::vector<std::string> describe(const Parameters& p, const CommonKeys& common,
   std::string headline = fmt::format("MPS{} {}-D, {}   {} water particles   l0 {:g} mm",
                                      p.scheme.turbulence == Turbulence::none ? "" : "-LES", p.dimension,
                                      common.preset, grouped(water), 1e3 * p.spacing);
-  if (speed > 0 && length > 0 && p.kinematic_viscosity > 0)
+  constexpr double at_rest = 1e-9;  // [m/s] round-off of a table's spline is 1e-27
+  const bool enters = speed > at_rest && length > 0;
+  if (enters && p.kinematic_viscosity > 0)
     headline += "   Re " + short_power(speed * length / p.kinematic_viscosity);
-  if (speed > 0 && length > 0 && p.gravity.norm() > 0)
+  if (enters && p.gravity.norm() > 0)
     headline += fmt::format("   Fr {:.1f}", speed / std::sqrt(p.gravity.norm() * length));
 
   const Scheme& s = p.scheme;

@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 
+#include "coupler/case/find_case.hpp"
 #include "coupler/case/rank_threads.hpp"
 #include "coupler/case/side_programs.hpp"
 #include "coupler/compare/compare_block.hpp"
@@ -336,7 +337,7 @@ std::vector<BodyKeys> structures_of(const CommonKeys& common) {
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
                    const StopRequest* stop, const std::vector<std::string>& by_hand) {
-  CaseFile file = CaseFile::load(case_file, sets);
+  CaseFile file = load_no_study(case_file, sets);
   std::optional<CommonKeys> read;
   CouplingKeys coupling;
   std::vector<CompareBlock> blocks;

@@ -1,6 +1,7 @@
 #include "coupler/case/find_case.hpp"
 
 #include "coupler/participant/launch.hpp"
+#include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 
 #include <fmt/format.h>
@@ -74,6 +75,13 @@ fs::path find_case(const fs::path& named) {
     if (const fs::path found = case_in(folder, name); !found.empty()) return found;
   if (fs::exists(named, none)) return named;  // a folder: the reader of the case says so
   throw no_such_case(name, folder);
+}
+
+CaseFile load_no_study(const fs::path& path, const std::vector<std::string>& sets) {
+  CaseFile file = CaseFile::load(path, sets);
+  if (!file.has("case") || !file.has("axis")) return file;
+  throw Error(ExitCode::case_file, file.path().string(), "is a study, not a case",
+              "strake study " + file.path().string());
 }
 
 }  // namespace strake

@@ -6,10 +6,15 @@
 
 namespace strake {
 
+class CaseFile;
+
 /// Finds the case or study that a user names. A path, and a file that is there, are taken as they are. A name
 /// alone, such as "plate_entry", is plate_entry.toml of the current folder, else Strake's own case of that
 /// name. Error(case_file) for a name that is neither, with the nearest one.
 std::filesystem::path find_case(const std::filesystem::path& named);
+
+/// Reads the file of a case. Error(case_file) for a study, which names a case and what varies.
+CaseFile load_no_study(const std::filesystem::path&, const std::vector<std::string>& sets);
 
 /// Folder of Strake's own cases: share/strake/cases of an installation, or cases of the source tree above a
 /// build. Empty if there is none.

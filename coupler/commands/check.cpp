@@ -6,6 +6,7 @@
 #include "coupler/run/run_folder.hpp"
 #include "coupler/run/session.hpp"
 #include "coupler/summary/pace.hpp"
+#include "coupler/summary/start.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
@@ -127,6 +128,8 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
     print_head(view, options);
     for (const std::string& warning : crowd_lines(view)) print_warning(warning);
     for (const std::string& warning : far_off_lines(view, 0)) print_warning(warning);
+    // Without the bodies' meshes neither their size nor what stands under the water is known.
+    for (const std::string& warning : start_lines(view, {})) print_warning(warning);
   }
 
   const auto is_ours = [](const SideView& side) { return !side.is_users(); };

@@ -115,9 +115,11 @@ Comparison common_span(const std::vector<Record>& records, const std::string& qu
   result.after_contact = true;
   for (const Record& r : records) {
     if (r.unit != first.unit)
-      throw Error(ExitCode::command_line, r.name,
-                  fmt::format("{} is in \"{}\", in {} in \"{}\"", quantity, r.unit, first.name, first.unit),
-                  "compare the same quantity, or give the column its unit in the header: uy [mm]");
+      throw Error(
+          ExitCode::command_line, r.name,
+          fmt::format("{} is in \"{}\", in {} in \"{}\"", quantity, r.unit, first.name, first.unit),
+          "compare another quantity (--probe NAME; forces in the plane are per metre of depth), or give the "
+          "column its unit in the header: uy [mm]");
     result.from = std::max(result.from, r.curve.time.front());
     result.to = std::min(result.to, r.curve.time.back());
     result.after_contact = result.after_contact && r.contact.has_value();

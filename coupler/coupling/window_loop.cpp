@@ -88,8 +88,8 @@ void WindowLoop::shorten(const Window& failed, const CommittedWindow& tried, dou
                                               tried.taken_back, longest, failed.dt);
     std::string fix =
         report.fix.empty() ? "look at the last frames: the solution has probably blown up" : report.fix;
-    if (unconverged_ > 0 && !plan_.if_unconverged.empty())
-      fix = fmt::format("{} of {} windows before it were accepted unconverged: {}", unconverged_,
+    if (state_.unconverged > 0 && !plan_.if_unconverged.empty())
+      fix = fmt::format("{} of {} windows before it were accepted unconverged: {}", state_.unconverged,
                         state_.windows, plan_.if_unconverged);
     if (tried.taken_back == 1 && longest > plan_.window * (1 - slack))
       fix += "\nlower coupling.surface.shorter.smallest: it allows no shorter window than the case's";
@@ -129,7 +129,7 @@ CommittedWindow WindowLoop::next() {
   const double line = next_end(), end = window.t + window.dt;
   state_.time = std::abs(end - line) < slack * window.dt ? line : end;
   ++state_.windows;
-  unconverged_ += done.report.converged ? 0 : 1;
+  state_.unconverged += done.report.converged ? 0 : 1;
   state_.limit = done.report.dt_limit;
   lengthen();
   finished_ = state_.time >= plan_.end - slack * plan_.window;
@@ -144,20 +144,21 @@ CommittedWindow WindowLoop::next() {
 void LoopState::save(Archive& archive) const {
   archive.real["loop.time"] = Eigen::MatrixXd::Constant(1, 1, time);
   archive.real["loop.length"] = Eigen::RowVector2d(length, limit);
-  archive.integer["loop.windows"] = {windows, settled};
+  archive.integer["loop.windows"] = {windows, settled, unconverged};
 }
 
 LoopState LoopState::from(const Archive& archive) {
   const auto time = archive.real.find("loop.time"), length = archive.real.find("loop.length");
   const auto counts = archive.integer.find("loop.windows");
   if (time == archive.real.end() || time->second.size() != 1 || length == archive.real.end() ||
-      length->second.size() != 2 || counts == archive.integer.end() || counts->second.size() != 2)
+      length->second.size() != 2 || counts == archive.integer.end() || counts->second.size() < 2)
     throw Error(ExitCode::case_file, "checkpoint, coupler.h5", "is not a checkpoint of a run",
                 "resume from the other checkpoint");
   return {.time = time->second(0),
           .windows = static_cast<long>(counts->second[0]),
           .length = length->second(0),
           .settled = static_cast<int>(counts->second[1]),
+          .unconverged = counts->second.size() > 2 ? static_cast<long>(counts->second[2]) : 0,
           .limit = length->second(1)};
 }
 

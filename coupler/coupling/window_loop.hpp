@@ -24,6 +24,7 @@ struct LoopState {
   double length =
       std::numeric_limits<double>::infinity();  // [s] that a failed window left; of the next one at most
   int settled = 0;                              // windows since it changed
+  long unconverged = 0;                         // windows that were accepted so; for a message alone
   double limit = std::numeric_limits<double>::infinity();  // [s] that the solvers accept
 
   void save(Archive&) const;  // names begin with "loop."
@@ -86,7 +87,6 @@ class WindowLoop {
   RunPlan plan_;
   LoopState state_;
   double frames_passed_ = 0;  // multiples of output_every so far
-  long unconverged_ = 0;      // windows that this loop accepted so; for a message alone
   bool finished_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include "coupler/new_case/case_lines.hpp"
 #include "coupler/new_case/scenes.hpp"
+#include "coupler/summary/start.hpp"
 #include "proto/error.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 #include "proto/mesh_files/stl.hpp"
@@ -108,20 +109,11 @@ void move_to(const MeshExtent& mesh, double gap, NewScene& s) {
 
 /// Warns of a body larger than any ship, which a file in mm gives where --scale is left out; empty for
 /// others.
-///
-/// Its longest, second and third length are compared with 500, 80 and 50 m. Prelude FLNG, the largest hull
-/// afloat, is 488 m long and 74 m wide. A section in the plane has no length of a ship: 80 and 50 m.
 std::string size_warning(std::array<double, 3> lengths, int dimension, double scale) {
-  constexpr std::array<double, 3> largest = {500, 80, 50};
-  std::sort(lengths.begin(), lengths.end(), std::greater<>());
-  const std::size_t first = dimension == 3 ? 0 : 1;
-  for (std::size_t k = 0; k + first < largest.size(); ++k)
-    if (lengths[k] > largest[k + first])
-      return fmt::format(
-          "the body is {:.4g} m {}, larger than any ship. If the file is in mm, write the case anew with "
-          "--scale {:g}.",
-          lengths[k], k + first == 0 ? "long" : "across", 0.001 * scale);
-  return {};
+  const std::string words = larger_than_ships(lengths, dimension);
+  if (words.empty()) return {};
+  return fmt::format("{}. If the file is in mm, write the case anew with --scale {:g}.", words,
+                     0.001 * scale);
 }
 
 /// Says in comments what makes the body an elastic one.

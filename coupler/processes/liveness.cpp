@@ -41,16 +41,19 @@ void Participants::State::look_after(Member& m) {
   if (!m.connection.silent_since && socket.cut_short(m.connection.peer)) ++m.connection.cut_short;
   if (!m.connection.silent_since)
     m.connection.silent_since = Clock::now() - (has_left ? Clock::duration(0) : heartbeat_gap);
-  const auto silence = Clock::now() - *m.connection.silent_since;
-  check_cut_short(m, silence);
+  check_cut_short(m, Clock::now() - *m.connection.silent_since);
   // A participant that is alive reconnects at once. But inside a step it has no time to send Hello on the
-  // connection.
+  // connection. On a machine that is short of processors or memory that connection may be cut as well, and
+  // the next one: each of them ends the silence.
   const bool perhaps_back = socket.somebody_is_new() && !(m.child && m.child->stopped());
+  if (perhaps_back && !m.asked.empty()) m.last_sign = Clock::now();
+  const auto silence = Clock::now() - std::max(*m.connection.silent_since, m.last_sign);
   if (has_left && silence > to_come_back && !perhaps_back) left(m);
-  const std::string state = has_left                        ? "has closed its connection"
-                            : !m.child                      ? "is frozen or cannot be reached"
-                            : m.child && m.child->stopped() ? "is suspended (" + m.process() + ")"
-                                                            : "is frozen (" + m.process() + " lives)";
+  const std::string state = has_left   ? "has closed its connection"
+                            : !m.child ? "is frozen or cannot be reached"
+                            : m.child && m.child->stopped()
+                                ? "is suspended (" + m.process() + ")"
+                                : "is frozen or gets no processor (" + m.process() + " lives)";
   if (!m.connection.silence_told && silence > silence_to_tell) {
     m.connection.silence_told = true;
     say(fmt::format("{}: {}, no heartbeat for {}; waiting {}", m.place(), state, in_seconds(silence),
@@ -59,7 +62,6 @@ void Participants::State::look_after(Member& m) {
                         : fmt::format("{:g} s", options.deadlines.frozen_after.count())));
   }
   if (options.deadlines.patient || silence < options.deadlines.frozen_after) return;
-  if (perhaps_back && !m.asked.empty()) return;  // coupling.answer_within ends it
   m.broken = true;
   throw Error(
       ExitCode::participant_lost, m.place(),

@@ -91,8 +91,8 @@ struct Participants::Member {
   std::string asked;  // "Advance"; empty: idle
   wire::Parts request;
   std::optional<wire::Reply> reply;
-  std::optional<std::uint64_t> may_repeat;  // an answer that a new connection may bring twice
-  Clock::time_point asked_at, last_heard;
+  std::optional<std::uint64_t> may_repeat;            // an answer that a new connection may bring twice
+  Clock::time_point asked_at, last_heard, last_sign;  // of life: a connection that may be its next one
   struct Work {
     std::string doing;  // its last Working
     double part = 0;    // of that, in [0, 1]

@@ -9,6 +9,7 @@
 #include "coupler/run/surface_faces.hpp"
 #include "coupler/summary/pace.hpp"
 #include "coupler/summary/resolution.hpp"
+#include "coupler/summary/start.hpp"
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
@@ -380,6 +381,10 @@ std::vector<std::string> Session::warnings() const {
   for (std::string& line : crowd_lines(case_)) warnings.push_back(std::move(line));
   for (std::string& line : far_off_lines(case_, structure_ == nullptr ? 0 : extent_of(structure_->mesh())))
     warnings.push_back(std::move(line));
+  std::vector<BodyAtStart> bodies;
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    bodies.emplace_back(case_.structures[k].side, &bodies_[k]->mesh());
+  for (std::string& line : start_lines(case_, bodies)) warnings.push_back(std::move(line));
   return warnings;
 }
 

@@ -100,7 +100,9 @@ WatchedRun::WatchedRun(fs::path folder)
                 "name a folder that `strake run` has made, e.g. runs/plate_entry");
   if (!fs::is_directory(folder_, error))
     throw Error(ExitCode::command_line, folder_.string(), "is a file, not the folder of a run",
-                "name the folder that it lies in: " + fs::absolute(folder_).parent_path().string());
+                holds_a_run(fs::absolute(folder_).parent_path())
+                    ? "name the folder that it lies in: " + fs::absolute(folder_).parent_path().string()
+                    : "name the folder that `strake run` has made, e.g. runs/" + folder_.stem().string());
   if (!holds_a_run(folder_))
     throw Error(ExitCode::case_file, folder_.string(), "is not the folder of a run: it has no run.json",
                 "name a folder that `strake run` has made, e.g. runs/plate_entry");

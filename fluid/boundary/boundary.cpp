@@ -95,13 +95,19 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
 template <int dim>
 void Boundary<dim>::check_place(const State<dim>& state, const Points& place) const {
   for (Eigen::Index k = 0; k < place.cols(); ++k) {
-    if (tank_.distance(place.col(k).template head<dim>()) >= -spacing_) continue;
+    const Vector<dim> x = place.col(k).template head<dim>();
+    // Water beyond a seam does not meet the faces of a body on this side of it.
+    const bool past_seam = tank_.past_seam(x) > spacing_;
+    if (!past_seam && tank_.distance(x) >= -spacing_) continue;
     throw Error(built_ ? ExitCode::solver_fault : ExitCode::case_file,
                 fmt::format("structure, t = {:.6g} s", state.time),
-                fmt::format("the body has come to ({:.6g}, {:.6g}{}), beyond the walls of the tank",
-                            place(0, k), place(1, k), dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : ""),
-                "end the run before it gets there, or make fluid.tank larger: bodies do not rebound from "
-                "walls");
+                fmt::format("the body has come to ({:.6g}, {:.6g}{}), beyond the {} of the tank", place(0, k),
+                            place(1, k), dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : "",
+                            past_seam ? "periodic ends" : "walls"),
+                past_seam
+                    ? "end the run before it gets there, or make fluid.tank longer: no body goes over a seam"
+                    : "end the run before it gets there, or make fluid.tank larger: bodies do not rebound "
+                      "from walls");
   }
 }
 

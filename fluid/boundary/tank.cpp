@@ -134,6 +134,14 @@ Tank<dim>::Tank(const Parameters& p, double reach, const State<dim>& filled)
 }
 
 template <int dim>
+double Tank<dim>::past_seam(const Vector<dim>& x) const {
+  double past = 0;
+  for (int d = 0; d < dim; ++d)
+    if (periodic_.along(d)) past = std::max({past, shape_.low()[d] - x[d], x[d] - shape_.high()[d]});
+  return past;
+}
+
+template <int dim>
 void Tank<dim>::wrap(State<dim>& state) const {
   if (!periodic_.any()) return;
 #pragma omp parallel for schedule(static)

@@ -42,6 +42,8 @@ class Tank {
   bool moves() const { return motion_.moves(); }
   /// The directions in which the tank repeats itself.
   const Periodic<dim>& periodic() const { return periodic_; }
+  /// How far a place lies beyond the end of a periodic axis [m]; 0: beyond none.
+  double past_seam(const Vector<dim>& x) const;
   /// Brings the water back between the tank's periodic sides; call at the end of a step.
   void wrap(State<dim>&) const;
 

@@ -110,7 +110,8 @@ void read_initial_velocity(CaseTable t, Parameters& p) {
 void read_periodic(CaseTable& t, Parameters& p) {
   std::vector<std::string> axes;
   t.texts("periodic", axes,
-          {.help = "axes along which the tank repeats itself without walls: \"x\", \"y\", \"z\""});
+          {.help = "axes along which the tank repeats itself without walls: \"x\", \"y\", \"z\"; no body "
+                   "goes over their ends"});
   for (const std::string& axis : axes) {
     const bool known = axis.size() == 1 && axis[0] >= 'x' && axis[0] < 'x' + p.dimension;
     if (!known)

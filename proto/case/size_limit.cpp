@@ -91,6 +91,13 @@ bool is_large(const SizeEstimates& estimates, double times) {
   return memory_of(estimates) > large_memory || times * seconds_of(estimates) > large_seconds;
 }
 
+std::string remedy_of(const SizeEstimates& estimates) {
+  const auto largest = std::max_element(
+      estimates.begin(), estimates.end(),
+      [](const SizeEstimate& a, const SizeEstimate& b) { return memory_of(a) < memory_of(b); });
+  return largest == estimates.end() ? std::string() : largest->remedy;
+}
+
 std::string size_text(const SizeEstimates& estimates) {
   std::string text;
   for (const SizeEstimate& estimate : estimates)

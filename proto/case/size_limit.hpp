@@ -34,6 +34,10 @@ double usable_memory();
 /// time is too long.
 bool is_large(const SizeEstimates&, double times = 1);
 
+/// What makes fewer of the items that take most memory, "a smaller structure.fem.refinement"; empty where
+/// their estimate names nothing.
+std::string remedy_of(const SizeEstimates&);
+
 /// "60 MB", "3.2 GB", "4e3 GB".
 std::string memory_text(double bytes);
 

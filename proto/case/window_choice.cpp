@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace strake {
@@ -47,9 +48,38 @@ bool falls_free(const CaseFile& file) {
   return false;
 }
 
+bool tank_moves(const CaseFile& file) {
+  return file.has("fluid.motion.file") || norm_of(file, "fluid.motion.amplitude", 0) > 0 ||
+         norm_of(file, "fluid.motion.roll", 0) > 0;
+}
+
 bool is_driven(const CaseFile& file) {
-  if (file.has("structure.motion.file") || file.has("fluid.motion.file")) return true;
-  return norm_of(file, "fluid.motion.amplitude", 0) > 0 || norm_of(file, "fluid.motion.roll", 0) > 0;
+  return file.has("structure.motion.file") || tank_moves(file);
+}
+
+/// Height of the lowest point of a plate or of boxes [m]; infinite where it is not known.
+double lowest_of_body(const CaseFile& file) {
+  double lowest = std::numeric_limits<double>::infinity();
+  if (file.has("structure.placed")) return lowest;
+  if (file.has("structure.plate")) {
+    const std::vector<double> bottom = file.numbers_at("structure.plate.bottom");
+    lowest = bottom.size() > 1 ? bottom[1] : 0;
+  }
+  for (int k = 0;; ++k) {
+    const std::vector<double> corner = file.numbers_at(fmt::format("structure.box[{}].min", k));
+    if (corner.size() < 2) return lowest;
+    lowest = std::min(lowest, corner[1]);
+  }
+}
+
+/// Whether the tank moves and its water comes to a body that reaches below the water's level and has no
+/// motion but the tank's: a flap on the floor, a baffle.
+bool stands_in_moving_tank(const CaseFile& file) {
+  const std::vector<double> water = file.numbers_at("fluid.water");
+  if (!tank_moves(file) || falls_free(file) || (water.size() != 4 && water.size() != 6)) return false;
+  for (const char* path : {"structure.velocity", "structure.initial_velocity.value"})
+    if (norm_of(file, path, 0) > 0) return false;
+  return lowest_of_body(file) < water[water.size() / 2 + 1] - first_of(file, "fluid.spacing", 0);
 }
 
 /// Whether the body moves against the water, or may come to.
@@ -89,7 +119,7 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   for (const char* shape : {"mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (file.has(std::string("structure.") + shape)) return false;
   if (norm_of(file, "structure.plate.angle", 0) > level_angle || is_turned(file)) return false;
-  return !file.is_true("fluid.submerged") && may_move(file, keys);
+  return !file.is_true("fluid.submerged") && !stands_in_moving_tank(file) && may_move(file, keys);
 }
 
 /// Height of a box that a key gives by two corners [m]; 0 if unknown.

@@ -77,8 +77,9 @@ void place(Solid&, const Placing&);
 /// Error(case_file) where they are no outline of a body then.
 void place_section(CaseTable structure, Parameters&, const Placing&);
 
-/// Reads [structure.fem]. A solid shell has other defaults: degree 1, one cell through the thickness.
-void read_fem(CaseTable, FemKeys&);
+/// Reads [structure.fem]. In space the default is two cells through the thickness, in the plane eight. A
+/// solid shell has other defaults: degree 1, one cell through the thickness.
+void read_fem(CaseTable, int dimension, FemKeys&);
 
 /// Throws Error(case_file) where a solid shell is asked for and cannot be: in the plane, or of degree 2.
 void check_fem(CaseTable, const Parameters&);

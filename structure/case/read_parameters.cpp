@@ -359,7 +359,7 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   CaseTable damping = t.table("damping", "Rayleigh");
   damping.number("mass", p.damping.mass, {.unit = "1/s", .min = 0, .help = "mass-proportional"});
   damping.number("stiffness", p.damping.stiffness, {.unit = "s", .min = 0, .help = "stiffness-proportional"});
-  read_fem(t.table("fem", "structure.solver = fem or ccx"), p.fem);
+  read_fem(t.table("fem", "structure.solver = fem or ccx"), p.dimension, p.fem);
   read_particle(t.table("particle", "structure.solver = particle"), p.particle, common.interface == "volume");
   read_ccx(t.table("ccx", "structure.solver = ccx: CalculiX on the mesh of structure.fem"), p.ccx);
   read_failure(t.table("failure", "what breaks a body"), p.failure);

@@ -32,7 +32,7 @@ std::optional<Box> tank_box(const CaseFile& file, int dimension) {
   const bool polygon = numbers.empty();
   if (polygon) numbers = file.numbers_at("fluid.tank_polygon");
   const std::size_t dim = per_corner(numbers, polygon);
-  if (static_cast<int>(dim) < dimension || file.has("fluid.periodic")) return std::nullopt;
+  if (static_cast<int>(dim) < dimension) return std::nullopt;
   Box box{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const auto axis = static_cast<Eigen::Index>(i % dim);
@@ -88,13 +88,15 @@ void refuse_outside_tank(const CaseFile& file, const CaseTable& structure, const
   const bool movable = key != "plate" && key != "cylinder" && key != "sphere" && key != "solver";
   const bool in_mm =
       movable && largest(body, *tank, p.dimension) > far_larger * largest(*tank, *tank, p.dimension);
-  throw structure.error(key,
-                        fmt::format("a body inside the tank: it reaches from {} m, the tank from {} m",
-                                    text_of(body, p.dimension), text_of(*tank, p.dimension)),
-                        in_mm ? "structure.placed.scale = 0.001, if the file is in mm"
-                        : movable
-                            ? "structure.placed.move = [x, y, z] moves the body; or make fluid.tank larger"
-                            : "move or shorten the body, or make fluid.tank larger");
+  throw structure.error(
+      key,
+      fmt::format("a body inside the tank: it reaches from {} m, the tank from {} m",
+                  text_of(body, p.dimension), text_of(*tank, p.dimension)),
+      std::string(in_mm     ? "structure.placed.scale = 0.001, if the file is in mm"
+                  : movable ? "structure.placed.move = [x, y, z] moves the body; or make "
+                              "fluid.tank larger"
+                            : "move or shorten the body, or make fluid.tank larger") +
+          (file.has("fluid.periodic") ? "; no body goes over the seam of a periodic tank" : ""));
 }
 
 }  // namespace strake::structure

@@ -44,7 +44,8 @@ SizeEstimates sizes(const Parameters& p) {
     elements.keys = {{"structure.mesh", 0, 1}};
   elements.remedy = !solid.made_of_boxes() ? "a coarser mesh"
                     : p.fem.cell_size > 0  ? "a larger structure.fem.cell_size"
-                                           : "a smaller structure.fem.refinement";
+                    : p.fem.refinement > 0 ? "a smaller structure.fem.refinement"
+                                           : "structure.fem.degree = 1";
   unknowns.keys = elements.keys;
   unknowns.remedy = elements.remedy;
   return {elements, unknowns, surface_size(p, cells)};

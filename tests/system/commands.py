@@ -32,6 +32,8 @@ def help_and_version(place):
         expect(wrong.returncode == 2 and f"did you mean {meant}?" in wrong.stderr, f"{' '.join(words)}: {wrong.stderr.strip()}")
     other = strake("gallop", cwd=place)
     expect(other.returncode == 2 and '"gallop" is no command' in other.stderr, f"an unknown command: {other.stderr.strip()}")
+    resumed = strake("resume", "plate_entry", cwd=place)
+    expect(resumed.returncode == 2 and "strake run CASE --resume" in resumed.stderr, f"resume is an option of run: {resumed.stderr.strip()}")
     version = strake("--version", cwd=place)
     expect(version.returncode == 0 and version.stdout.startswith("strake "), f"--version: {version.stdout.strip()}")
 

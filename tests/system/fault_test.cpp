@@ -137,6 +137,28 @@ TEST_F(Faults, AFrozenParticipantIsWaitedForThenGivenUp) {
   EXPECT_NE(e.fix().find("coupling.frozen_after"), std::string::npos);
 }
 
+// A process that gets no processor for a second, twice within a step of three. Heartbeats end both of its
+// connections. Neither silence is as long as frozen_after, and both together are longer.
+TEST_F(Faults, AStarvedParticipantIsNotTakenForFrozen) {
+  options_.deadlines.frozen_after = std::chrono::seconds(2);
+  launch("structure", "nap");
+  RemoteParticipant& structure = participants().connect("structure", {});
+  std::thread starver([this] {
+    wait_for(log("structure"), "step begins");
+    for (int k = 0; k < 2; ++k) {
+      kill(pid_of("structure"), SIGSTOP);
+      std::this_thread::sleep_for(milliseconds(1100));
+      kill(pid_of("structure"), SIGCONT);
+      std::this_thread::sleep_for(milliseconds(600));
+    }
+  });
+  EXPECT_NO_THROW(structure.advance({0, 0.1}, {}));
+  starver.join();
+  EXPECT_EQ(count(said_, "is back after"), 1u) << said_;
+  participants().finish();
+  participants_.reset();
+}
+
 TEST_F(Faults, AThawedParticipantGoesOnWhereItWas) {
   launch("structure", "nap", 2);
   RemoteParticipant& structure = participants().connect("structure", {});

@@ -43,6 +43,9 @@ def table_of(place):
 def runs_all_then_nothing(place):
     (place / "strip.toml").write_text(STUDY)
     listed = strake("study", "strip.toml", "--list", cwd=place)
+    for command in ("check", "run"):
+        told = strake(command, "strip.toml", cwd=place)
+        expect(told.returncode == 3 and "is a study, not a case" in told.stderr and "strake study strip.toml" in told.stderr, f"{command} of a study says so\n{told.stderr}")
     expect(listed.returncode == 0 and listed.stdout.count("strake run") == 4, f"--list prints four commands\n{listed.stdout}{listed.stderr}")
     expect(not (place / "runs").exists(), "--list starts nothing")
     result = strake("study", "strip.toml", cwd=place)

@@ -21,8 +21,9 @@ namespace {
 void print_check(CaseFile& file, const Program& program) {
   const SizeEstimates sizes = program.sizes ? program.sizes() : SizeEstimates{};
   if (const std::string text = size_text(sizes); !text.empty()) fmt::print("{}{}\n", size_words, text);
-  if (is_large(sizes))
-    fmt::print("{}a case of this size takes long to build; run it to see more\n", not_built_words);
+  if (const std::string remedy = remedy_of(sizes); is_large(sizes))
+    fmt::print("{}a case of this size takes long to build{}; run it to see more\n", not_built_words,
+               remedy.empty() ? "" : ", less with " + remedy);
   else if (program.check)
     for (const std::string& line : program.check(file)) fmt::print("{}\n", line);
 }

@@ -310,6 +310,22 @@ void connect(std::vector<PlannedRun>& runs, const std::vector<Axis>& axes) {
       }
 }
 
+/// Refuses the file of a case, which names no case and varies nothing.
+void refuse_a_case(const CaseFile& file) {
+  const auto given = [&](const char* key) { return file.has(key); };
+  if (given("case") || given("axis")) return;
+  if (!given("fluid") && !given("structure") && !given("structures") && !given("end_time")) return;
+  throw Error(ExitCode::case_file, file.path().string(), "is a case, not a study",
+              fmt::format("a study is a file of its own, which names this case and what varies:\n"
+                          "  title = \"…\"\n"
+                          "  case = \"{}\"\n"
+                          "  [[axis]]\n"
+                          "  name = \"spacing\"\n"
+                          "  value = [{{ label = \"10mm\", at = 0.01, set = [\"fluid.spacing=0.01\"] }}, …]\n"
+                          "every key of it: proto/STUDY_FILE.md. One run of the case: strake run {}",
+                          file.path().filename().string(), file.path().string()));
+}
+
 }  // namespace
 
 const Axis& Plan::axis(const std::string& name) const {
@@ -319,6 +335,7 @@ const Axis& Plan::axis(const std::string& name) const {
 Plan read_plan(const std::filesystem::path& path) {
   CaseFile file = CaseFile::load(path);
   file.not_a_case();
+  refuse_a_case(file);
   CaseTable root = file.root();
   Plan plan;
   plan.file = path;

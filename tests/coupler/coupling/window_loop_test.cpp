@@ -202,6 +202,30 @@ TEST(WindowLoop, EndsWithTheReasonBelowTheSmallestWindow) {
   }
 }
 
+// Three of the first four windows of a run were accepted unconverged. It goes on from a checkpoint.
+TEST(WindowLoop, CountsTheUnconvergedWindowsBeforeAResume) {
+  Listener listener;
+  listener.longest_at = [](double) { return 0.02; };
+  Archive archive;
+  LoopState{.time = 0.4, .windows = 4, .unconverged = 3}.save(archive);
+  WindowLoop loop(listener, WindowLoop::Side::fluid,
+                  {.end = 1.0,
+                   .window = 0.1,
+                   .output_every = 0,
+                   .start = LoopState::from(archive),
+                   .control = {.smallest = 0.03},
+                   .if_unconverged = "advice"});
+  try {
+    loop.next();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.fix().substr(0, error.fix().find('\n')),
+              "3 of 4 windows before it were accepted unconverged: advice");
+  }
+  archive.integer["loop.windows"].pop_back();  // of a checkpoint without this count
+  EXPECT_EQ(LoopState::from(archive).unconverged, 0);
+}
+
 TEST(WindowLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
   Listener listener;
   listener.limit = 1e-12;

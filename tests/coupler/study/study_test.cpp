@@ -77,6 +77,16 @@ TEST_F(StudyFile, IsRefusedWithItsPlaceWhenANameIsUnknown) {
             std::string::npos);
 }
 
+TEST_F(StudyFile, ACaseIsRefusedAsSuchWithAStudyToBeginWith) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "hull.toml";
+  std::ofstream(path) << "title = \"c\"\nend_time = 1\n[fluid]\nspacing = 0.01\n";
+  const std::string text = text_of_error([&] { read_plan(path); }, ExitCode::case_file);
+  EXPECT_NE(text.find("is a case, not a study"), std::string::npos) << text;
+  EXPECT_NE(text.find("case = \"hull.toml\""), std::string::npos) << text;
+  EXPECT_NE(text.find("[[axis]]"), std::string::npos) << text;
+}
+
 TEST_F(StudyFile, AnUnknownColumnIsAnErrorThatNamesWhatThereIs) {
   EXPECT_NE(problem(axes_ + "[[column]]\nprobe = \"mid.y\"\nmetric = \"first_paek\"\n")
                 .find("time_of_first_peak, peak"),

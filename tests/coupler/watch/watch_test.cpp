@@ -118,10 +118,12 @@ TEST(BraillePlot, ShowsDecadesOfAResidual) {
 
 TEST(WatchedRun, RefusesWhatIsNoRunFolder) {
   const TemporaryFolder folder;
-  const auto told = [](const std::filesystem::path& path) {
+  std::string fix;
+  const auto told = [&fix](const std::filesystem::path& path) {
     try {
       const WatchedRun run(path);
     } catch (const Error& error) {
+      fix = error.fix();
       return std::pair(error.code(), error.problem());
     }
     return std::pair(ExitCode::done, std::string());
@@ -130,6 +132,13 @@ TEST(WatchedRun, RefusesWhatIsNoRunFolder) {
             std::pair(ExitCode::command_line, std::string("there is no such run folder")));
   put(folder.path() / "file", "x");
   EXPECT_EQ(told(folder.path() / "file").second, "is a file, not the folder of a run");
+  put(folder.path() / "hull.toml", "x");
+  told(folder.path() / "hull.toml");
+  EXPECT_EQ(fix, "name the folder that `strake run` has made, e.g. runs/hull");
+  put(folder.path() / "run.json", "{}");
+  told(folder.path() / "hull.toml");
+  EXPECT_EQ(fix, "name the folder that it lies in: " + folder.path().string());
+  std::filesystem::remove(folder.path() / "run.json");
   EXPECT_EQ(told(folder.path()).second, "is not the folder of a run: it has no run.json");
 }
 

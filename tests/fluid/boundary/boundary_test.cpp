@@ -301,6 +301,27 @@ TEST(Boundary, ABodyThatFallsThroughTheFloorEndsTheRun) {
   }
 }
 
+// Of a body over the seam the water sees the part on one side alone: a wedge had a third of its force.
+TEST(Boundary, ABodyThatGoesOverASeamEndsTheRun) {
+  Parameters p = tank_case(0.6, 0.2, l0, 0.2);
+  p.periodic = {true, false, false};
+  State<2> state = fill<2>(p);
+  Boundary<2> boundary(p, rectangle(-0.1, 0.05, 0.2, 0.02, l0), {}, state);
+  const auto m = boundary.mesh().position.cols();
+  Points displacement = Points::Zero(3, m);
+  displacement.row(0).setConstant(0.5 * (p.tank.max.x() - p.tank.min.x()) - 0.1);  // up to the seam
+  displacement.row(0).array() += 0.5 * (p.tank.max.x() + p.tank.min.x());
+  EXPECT_NO_THROW(boundary.move(state, displacement, Points::Zero(3, m), true));
+  displacement.row(0).array() += 2 * l0;
+  try {
+    boundary.move(state, displacement, Points::Zero(3, m), true);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::solver_fault);
+    EXPECT_NE(to_text(e).find("beyond the periodic ends"), std::string::npos) << to_text(e);
+  }
+}
+
 TEST(Boundary, DummiesContinueTheHydrostaticPressureAndTheBodysOwnAcceleration) {
   Scene scene(rectangle(-0.1, 0.0, 0.2, 0.02, l0));
   std::fill(scene.state.surface.begin(), scene.state.surface.end(), std::uint8_t{0});

@@ -70,5 +70,15 @@ TEST(SizeLimit, ALegalCaseIsLargeByItsMemoryOrItsTime) {
   EXPECT_TRUE(is_large(slow));
 }
 
+TEST(SizeLimit, TheRemedyIsThatOfWhatTakesMostMemory) {
+  EXPECT_EQ(remedy_of({}), "");
+  EXPECT_EQ(remedy_of(water(0.01)), "");
+  SizeEstimates two = water(0.01);
+  two.push_back({.what = "unknowns", .count = 100, .bytes_each = 10, .remedy = "few"});
+  EXPECT_EQ(remedy_of(two), "");
+  two.back().count = 1e9;
+  EXPECT_EQ(remedy_of(two), "few");
+}
+
 }  // namespace
 }  // namespace strake

@@ -60,6 +60,19 @@ TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
   EXPECT_FALSE(read_with(with(plate, {"fluid.submerged=true"})).chosen.level);
 }
 
+// Such a flap had steps of 2e-6 s for its level upper face: a hundred times as many.
+TEST(WindowChoice, AFlapOnTheFloorOfAMovingTankDoesNotFall) {
+  const Sets flap = {"structure.box=[{min=[0,-0.5],max=[0.02,-0.3],supports={bottom=\"clamped\"}}]",
+                     "structure.material.young=1e7"};
+  const Sets moving = with(flap, {"fluid.motion.roll=4", "fluid.motion.frequency=0.5"});
+  EXPECT_FALSE(read_with(moving).chosen.level);
+  EXPECT_EQ(window_with(moving), window_with(flap));
+  EXPECT_TRUE(read_with(with(moving, {"structure.velocity=[0,-1]"})).chosen.level);
+  const Sets roof = {"structure.box=[{min=[0,0.1],max=[0.2,0.12],supports={left=\"clamped\"}}]",
+                     "fluid.motion.roll=4", "fluid.motion.frequency=0.5"};
+  EXPECT_TRUE(read_with(roof).chosen.level) << "the water may slam it";
+}
+
 // At 0.25 degrees the wetted edge runs along the plate at 229 V: as fast as sound at 6.6 m/s.
 TEST(WindowChoice, APlateTiltedByADegreeIsLevelAsABoxIs) {
   for (const char* angle : {"0.25", "-0.5", "1"})

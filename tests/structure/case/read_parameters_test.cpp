@@ -196,6 +196,13 @@ TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
   says({of + "criterion=bond_strain", of + "critical_strain=0.01", "structure.analysis=modal"}, "intact");
 }
 
+TEST(StructureKeys, ABodyInSpaceHasTwoCellsThroughTheThicknessUnlessTheCaseSaysOtherwise) {
+  const std::vector<std::string> space = {"fluid.dimension=3", "structure.depth=0.4"};
+  EXPECT_EQ(read_plate_case("fem").fem.refinement, 3);
+  EXPECT_EQ(read_plate_case("fem", space).fem.refinement, 1);
+  EXPECT_EQ(read_plate_case("fem", {space[0], space[1], "structure.fem.refinement=2"}).fem.refinement, 2);
+}
+
 TEST(StructureKeys, ASolidShellIsOneCellThickUnlessTheCaseSaysOtherwise) {
   const std::vector<std::string> space = {"fluid.dimension=3", "structure.depth=0.4",
                                           "structure.fem.strain=solid_shell"};
@@ -244,7 +251,11 @@ TEST(StructureKeys, ABodyOutsideTheTankIsRefusedBeforeItIsBuilt) {
   EXPECT_EQ(complaint("fem", with("structure.plate.bottom=[0, 0.7, 0]")), "") << "no lid";
   EXPECT_NE(complaint("fem", {tank[0], "structure.plate.bottom=[0, 0.7, 0]", "fluid.open_top=false"}), "");
   EXPECT_EQ(complaint("fem", {tank[0], "structure.plate.bottom=[2, 0, 0]", "fluid.solver=none"}), "");
-  EXPECT_EQ(complaint("fem", {tank[0], "structure.plate.bottom=[0.9, 0, 0]", "fluid.periodic=[\"x\"]"}), "");
+  const std::string seam = "fluid.periodic=[\"x\"]";
+  EXPECT_EQ(complaint("fem", {tank[0], "structure.plate.bottom=[0.8, 0.012, 0]", seam}), "");
+  EXPECT_NE(complaint("fem", {tank[0], "structure.plate.bottom=[0.9, 0.012, 0]", seam})
+                .find("no body goes over the seam of a periodic tank"),
+            std::string::npos);
   const std::string with_z = "fluid.tank=[[-1.4, -0.5, 0.0], [0.52, 1.4, 0.0]]";
   EXPECT_EQ(complaint("rigid", {with_z, "structure.plate.bottom=[0.3, 0.6, 0]"}), "");
   EXPECT_NE(complaint("rigid", {with_z, "structure.plate.bottom=[0.4, 0.6, 0]"}), "");
