@@ -79,8 +79,8 @@ class Participant:
         return self._call("getMeshVertexSize", mesh_name)
 
     def get_mesh_vertex_ids_and_coordinates(self, mesh_name):
-        n, width = (self._width("getMeshVertexIDsAndCoordinates", mesh_name, function=name) for name in ("getMeshVertexSize", "getMeshDimensions"))
-        ids, coordinates = np.empty(n, np.int32), np.empty((n, width))
+        n = self.get_mesh_vertex_size(mesh_name)
+        ids, coordinates = np.empty(n, np.int32), np.empty((n, self.get_mesh_dimensions(mesh_name)))
         self._call("getMeshVertexIDsAndCoordinates", mesh_name, n, ids, coordinates)
         return ids, coordinates
 
