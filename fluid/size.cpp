@@ -2,7 +2,6 @@
 
 #include "fluid/boundary/fill.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace strake::fluid {

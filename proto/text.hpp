@@ -20,6 +20,9 @@ std::optional<Number> number_from(std::string_view text) {
   return error == std::errc() && end == last ? std::optional(value) : std::nullopt;
 }
 
+/// Without the blanks, tabs and line ends on either side.
+std::string_view trimmed(std::string_view);
+
 /// "Pressure" → "pressure"; letters beyond ASCII stay as they are.
 std::string lower_case(std::string_view);
 

@@ -12,7 +12,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>

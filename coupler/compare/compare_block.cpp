@@ -8,16 +8,10 @@
 namespace strake {
 namespace {
 
-std::string unquoted(const std::string& text) {
+std::string_view unquoted(std::string_view text) {
   if (text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\''))
     return text.substr(1, text.size() - 2);
   return text;
-}
-
-std::string trimmed(std::string text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 std::optional<double> as_number(const std::string& text) {
@@ -33,7 +27,7 @@ std::optional<std::vector<std::string>> as_list(const std::string& text) {
     if (c != ',')
       item += c;
     else {
-      if (!trimmed(item).empty()) items.push_back(trimmed(item));
+      if (!trimmed(item).empty()) items.emplace_back(trimmed(item));
       item.clear();
     }
   }
@@ -41,7 +35,7 @@ std::optional<std::vector<std::string>> as_list(const std::string& text) {
 }
 
 bool equal(const std::string& first, const std::string& second) {
-  const std::string a = trimmed(unquoted(trimmed(first))), b = trimmed(unquoted(trimmed(second)));
+  const std::string a(trimmed(unquoted(trimmed(first)))), b(trimmed(unquoted(trimmed(second))));
   auto items_a = as_list(a), items_b = as_list(b);
   if (items_a && items_b) {
     // A plane vector [x, y] is [x, y, 0].

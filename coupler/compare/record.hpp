@@ -3,7 +3,6 @@
 #include "coupler/compare/curve.hpp"
 #include "proto/files/history.hpp"
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>

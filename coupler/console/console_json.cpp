@@ -2,7 +2,6 @@
 #include "coupler/timing/profile.hpp"
 #include "proto/files/json_file.hpp"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 // strake run --json: the lines are described in proto/RESULTS.md.

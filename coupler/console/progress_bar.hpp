@@ -2,10 +2,8 @@
 
 #include <cstdio>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace strake {

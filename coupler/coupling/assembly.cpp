@@ -1,7 +1,5 @@
 #include "coupler/coupling/assembly.hpp"
 
-#include "proto/lookup.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,11 +1,7 @@
 #include "coupler/editor/declarations.hpp"
 #include "proto/files/json_file.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
 
 namespace strake {

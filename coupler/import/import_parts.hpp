@@ -5,7 +5,6 @@
 #include "coupler/precice/config/xml_elements.hpp"
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 

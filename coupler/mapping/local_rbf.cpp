@@ -7,7 +7,6 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 
 namespace strake {

@@ -3,7 +3,6 @@
 #include "coupler/new_case/kinds.hpp"
 
 #include <string>
-#include <vector>
 
 namespace strake {
 

@@ -47,11 +47,7 @@ double wet_period(double span, double thickness) {
 }
 
 void put_plate_tank(NewScene& s, double width, double above) {
-  const auto whole = [&s](double length) { return s.spacing * std::ceil(length / s.spacing - 1e-9); };
-  s.right = s.water_right = whole(2.5 * width);
-  s.left = -s.right;
-  s.bottom = -whole(1.25 * width);
-  s.top = whole(1.25 * width + above);
+  put_wide_tank(s, 1.25 * width, 1.25 * width, 1.25 * width + above);
 }
 
 CaseLines driven_body(const NewAnswers& answers, const std::string& held) {
@@ -139,8 +135,7 @@ NewScene bodies_scene(const NewAnswers& answers) {
       "m/s, "
       "2-D.",
       length, thickness, distance, answers.value("speed"));
-  const double middle = 0.5 * (length + distance),
-               wall = s.spacing * std::ceil((middle + 2.5 * length) / s.spacing - 1e-9);
+  const double middle = 0.5 * (length + distance), wall = s.whole(middle + 2.5 * length);
   s.right = s.water_right = wall;
   s.left = -wall;
   CaseLines lines;

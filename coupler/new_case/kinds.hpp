@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -42,6 +43,9 @@ struct NewScene {
   std::string end_reason;                   // what has happened by then
   std::string body;                         // TOML of [structure] and its probes
   std::string warning;                      // what to look at before a run; empty: nothing
+
+  /// A length rounded up to whole spacings [m].
+  double whole(double length) const { return spacing * std::ceil(length / spacing - 1e-9); }
 };
 
 /// A kind of case that `strake new` writes.

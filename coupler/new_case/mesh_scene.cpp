@@ -14,7 +14,6 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
 namespace strake {
 namespace {
@@ -77,10 +76,8 @@ void round_up(NewScene& s, double wide_x, double wide_z) {
   s.left = -s.right;
   s.back = -s.front;
   s.bottom = std::min(s.bottom, -least);
-  const auto round = [&s](double& x) {
-    x = std::copysign(s.spacing * std::ceil(std::abs(x) / s.spacing - 1e-9), x);
-  };
-  for (double* x : {&s.left, &s.right, &s.back, &s.front, &s.bottom, &s.top}) round(*x);
+  for (double* x : {&s.left, &s.right, &s.back, &s.front, &s.bottom, &s.top})
+    *x = std::copysign(s.whole(std::abs(*x)), *x);
   s.water_right = s.right;
 }
 

@@ -18,9 +18,7 @@ std::string answer_line(std::istream& answers) {
   if (!std::getline(answers, line))
     throw Error(ExitCode::command_line, "strake new", "the input ended before all questions were answered",
                 "give the answers as options: strake new --help");
-  line.erase(0, line.find_first_not_of(" \t\r"));
-  line.erase(line.find_last_not_of(" \t\r") + 1);
-  return line;
+  return std::string(trimmed(line));
 }
 
 double ask_number(const NewNumber& number, std::istream& answers, std::ostream& questions) {

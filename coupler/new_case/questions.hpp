@@ -3,7 +3,6 @@
 #include "coupler/new_case/kinds.hpp"
 
 #include <iosfwd>
-#include <optional>
 
 namespace strake {
 

@@ -14,12 +14,10 @@
 namespace strake {
 
 void put_wide_tank(NewScene& s, double width, double depth, double above) {
-  const double l0 = s.spacing;
-  const auto whole = [l0](double length) { return l0 * std::ceil(length / l0 - 1e-9); };
-  s.right = s.water_right = whole(2 * width);
+  s.right = s.water_right = s.whole(2 * width);
   s.left = -s.right;
-  s.bottom = -whole(depth);
-  s.top = whole(above);
+  s.bottom = -s.whole(depth);
+  s.top = s.whole(above);
 }
 
 CaseLines rigid_body(const NewAnswers& answers, int dimension) {
@@ -183,11 +181,10 @@ NewScene dam_scene(const NewAnswers& answers) {
   s.physics = fmt::format("Column of water {:g} m wide and {:g} m high that collapses over a dry floor, 2-D.",
                           width, height);
   s.spacing = chosen_spacing(answers, "column's width", std::min(width, height), 40);
-  const auto whole = [&s](double length) { return s.spacing * std::ceil(length / s.spacing - 1e-9); };
-  s.right = whole(4 * width);
-  s.water_right = whole(width);
-  s.surface = whole(height);
-  s.top = s.surface + whole(std::max(width, height));
+  s.right = s.whole(4 * width);
+  s.water_right = s.whole(width);
+  s.surface = s.whole(height);
+  s.top = s.surface + s.whole(std::max(width, height));
   // Time in which the front crosses the floor, from experiments: T = t sqrt(2 g/L) = 3.2.
   s.end_time = 3.2 * std::sqrt(width / (2 * 9.81));
   s.end_reason = "the front is at the far wall";

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -174,6 +175,14 @@ Within locate(const std::vector<Window>& windows, double time) {
   return {window, s};
 }
 
+/// Displacement and velocity at the begin of a window. Without a first velocity it is the secant's.
+std::pair<Points, Points> start_of_window(const InterfaceRecord& record, std::size_t k) {
+  if (k > 0) return {record.displacement[k - 1], record.velocity[k - 1]};
+  const Points& u0 = record.initial_displacement;
+  if (record.initial_velocity.size() > 0) return {u0, record.initial_velocity};
+  return {u0, Points((record.displacement[0] - u0) / record.windows[0].dt)};
+}
+
 }  // namespace
 
 void InterfaceRecord::append(const Window& window, const Points& u, const Points& v, const Points& f) {
@@ -194,11 +203,8 @@ Points InterfaceRecord::displacement_at(double time) const {
   if (windows.empty() || time <= start()) return initial_displacement;
   const auto [k, s] = locate(windows, time);
   if (s == 1) return displacement[k];
-  const Points& u0 = k == 0 ? initial_displacement : displacement[k - 1];
+  const auto [u0, v0] = start_of_window(*this, k);
   const double dt = windows[k].dt;
-  const Points v0 = k > 0                         ? velocity[k - 1]
-                    : initial_velocity.size() > 0 ? initial_velocity
-                                                  : Points((displacement[0] - u0) / dt);
   return u0 + (3 - 2 * s) * s * s * (displacement[k] - u0) +
          dt * (s * (1 - s) * (1 - s) * v0 + s * s * (s - 1) * velocity[k]);
 }
@@ -208,11 +214,8 @@ Points InterfaceRecord::velocity_at(double time) const {
   if (windows.empty()) return initial_velocity;
   const auto [k, s] = locate(windows, time);
   if (s == 1) return velocity[k];
-  const Points& u0 = k == 0 ? initial_displacement : displacement[k - 1];
+  const auto [u0, v0] = start_of_window(*this, k);
   const double dt = windows[k].dt;
-  const Points v0 = k > 0                         ? velocity[k - 1]
-                    : initial_velocity.size() > 0 ? initial_velocity
-                                                  : Points((displacement[0] - u0) / dt);
   if (s == 0) return v0;
   return 6 * s * (1 - s) / dt * (displacement[k] - u0) + (1 - s) * (1 - 3 * s) * v0 +
          s * (3 * s - 2) * velocity[k];

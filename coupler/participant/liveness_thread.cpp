@@ -1,5 +1,6 @@
 #include "coupler/participant/liveness_thread.hpp"
 
+#include "coupler/transport/endpoint.hpp"
 #include "proto/files/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +16,6 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
-#include <utility>
 
 namespace strake {
 namespace {

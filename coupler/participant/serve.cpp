@@ -12,15 +12,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <new>
-#include <optional>
-#include <stdexcept>
 #include <unistd.h>
-#include <utility>
-#include <vector>
 
 namespace strake {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
 #include <filesystem>
 #include <limits>
 #include <map>

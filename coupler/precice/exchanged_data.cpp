@@ -302,11 +302,15 @@ Values Waveform::at(double time) const {
   const Knot& last = knots_.back();
   const double same = 1e-9 * (last.time - start_.time);
   if (std::abs(time - last.time) <= same || knots_.size() == 1) return last.value;
+  if (degree_ == 0) {  // constant up to each sample
+    const auto upto = std::find_if(knots_.begin() + 1, knots_.end(),
+                                   [&](const Knot& knot) { return knot.time >= time - same; });
+    return upto == knots_.end() ? last.value : upto->value;
+  }
   const auto after =
       std::find_if(knots_.begin(), knots_.end(), [&](const Knot& knot) { return knot.time > time + same; });
   const auto next =
       static_cast<std::size_t>(after - knots_.begin());  // at least 1 where the window has begun
-  if (degree_ == 0) return knots_[std::min(next, knots_.size() - 1)].value;
   const std::size_t count = std::min(static_cast<std::size_t>(degree_) + 1, knots_.size());
   const std::size_t before = next < (count + 1) / 2 ? 0 : next - (count + 1) / 2;
   return polynomial(knots_, std::min(before, knots_.size() - count), count, time);

@@ -8,7 +8,6 @@
 #include <precice/span.hpp>
 
 #include <exception>
-#include <memory>
 #include <string>
 #include <utility>
 

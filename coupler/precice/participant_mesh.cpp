@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <precice/Participant.hpp>
 
-#include <span>
 #include <string>
 
 namespace precice {

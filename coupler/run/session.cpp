@@ -1,10 +1,10 @@
 #include "coupler/run/session.hpp"
 
+#include "coupler/case/case_scheme.hpp"
 #include "coupler/case/mesh_transfer.hpp"
 #include "coupler/case/rank_threads.hpp"
 #include "coupler/case/side_programs.hpp"
 #include "coupler/console/console.hpp"
-#include "coupler/participant/stop_request.hpp"
 #include "coupler/processes/log_tail.hpp"
 #include "coupler/run/surface_faces.hpp"
 #include "coupler/summary/pace.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "coupler/case/case_scheme.hpp"
 #include "coupler/case/case_view.hpp"
 #include "coupler/coupling/assembly.hpp"
 #include "coupler/coupling/scheme.hpp"

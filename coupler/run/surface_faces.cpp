@@ -8,16 +8,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace strake {
 namespace {
 
-using Eigen::Index;
 using Eigen::Vector3d;
 
 class SurfaceFile {
@@ -26,24 +23,10 @@ class SurfaceFile {
       : file_(file), text_(read_mesh_text(file)), mesh_(mesh), tree_(mesh.position) {}
 
   Eigen::MatrixXi faces() {
-    std::vector<int> corners;
-    for (const MeshText::Element& element : text_.element) {
-      const std::string& kind = element.kind;
-      if (mesh_.dimension == 2 ? kind != "line" : kind != "triangle" && kind != "quadrilateral") continue;
-      const std::vector<int> points = points_of(element);
-      if (points.size() < 4) {
-        corners.insert(corners.end(), points.begin(), points.end());
-        continue;
-      }
-      const bool first = distance(points[0], points[2]) <= distance(points[1], points[3]);
-      for (const int k : first ? std::array{0, 1, 2, 0, 2, 3} : std::array{0, 1, 3, 1, 2, 3})
-        corners.push_back(points[static_cast<std::size_t>(k)]);
-    }
-    if (corners.empty())
-      refuse(0, mesh_.dimension == 2 ? "holds no lines" : "holds no triangles and no quadrilaterals",
-             "mesh the surface that meets the water, or give it a physical group");
-    return Eigen::Map<Eigen::MatrixXi>(corners.data(), mesh_.dimension,
-                                       static_cast<Index>(corners.size()) / mesh_.dimension);
+    std::vector<std::vector<int>> walks;
+    for (const MeshText::Element& element : text_.element)
+      if (is_face(element, mesh_.dimension)) walks.push_back(points_of(element));
+    return faces_of(walks, mesh_.position, mesh_.dimension, file_.string());
   }
   [[noreturn]] void refuse(std::size_t line, const std::string& problem, const std::string& fix) const {
     const std::string where = line > 0 ? fmt::format("{}:{}", file_.string(), line) : file_.string();
@@ -51,8 +34,6 @@ class SurfaceFile {
   }
 
  private:
-  double distance(int a, int b) const { return (mesh_.position.col(a) - mesh_.position.col(b)).norm(); }
-
   std::vector<int> points_of(const MeshText::Element& element) {
     std::vector<int> points;
     for (const long node : element.node) {

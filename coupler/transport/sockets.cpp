@@ -13,7 +13,6 @@
 #include <set>
 #include <sys/resource.h>
 #include <utility>
-#include <vector>
 
 namespace strake {
 namespace {

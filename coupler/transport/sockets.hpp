@@ -1,7 +1,6 @@
 #pragma once
 
 #include "coupler/transport/curve_keys.hpp"
-#include "coupler/transport/endpoint.hpp"
 #include "proto/wire/wire.hpp"
 
 #include <chrono>

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <fcntl.h>
@@ -20,7 +21,6 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <tuple>
-#include <unistd.h>
 #include <utility>
 
 namespace strake::watch {
@@ -68,25 +68,9 @@ std::pair<State, std::string> how_it_ended(int exit_code, const std::string& at)
 }  // namespace
 
 std::string name_of(State state) {
-  switch (state) {
-    case State::starting:
-      return "starting";
-    case State::running:
-      return "running";
-    case State::silent:
-      return "silent";
-    case State::finished:
-      return "finished";
-    case State::stopped:
-      return "stopped";
-    case State::failed:
-      return "failed";
-    case State::killed:
-      return "killed";
-    case State::away:
-      return "elsewhere";
-  }
-  return "unknown";
+  constexpr std::array names{"starting", "running", "silent", "finished",
+                             "stopped",  "failed",  "killed", "elsewhere"};
+  return names.at(static_cast<std::size_t>(state));
 }
 
 WatchedRun::WatchedRun(fs::path folder)

@@ -1,7 +1,5 @@
 #include "fluid/air/lower_faces.hpp"
 
-#include <cmath>
-
 namespace strake::fluid {
 namespace {
 

@@ -40,6 +40,16 @@ class WallContact {
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
   /// Returns the part of its face that no body covers, 1 for faces of bodies.
   double bare(std::int64_t row) const { return bare_[row - first_]; }
+  /// Returns the weight of a pair with that layer particle, q (R/|r| − 1) with the bare part q of its face.
+  /// radius: R [m]; inverse: 1/|r| [1/m].
+  double weight(std::int64_t row, double radius, double inverse) const {
+    return bare(row) * (radius * inverse - 1);
+  }
+  /// The same of any particle: R/|r| − 1 for water, 0 for a dry layer.
+  double pair_weight(std::int64_t j, double radius, double inverse) const {
+    if (j < first_) return radius * inverse - 1;
+    return wet(j) ? weight(j, radius, inverse) : 0;
+  }
   /// Returns P r, the component of r along the face's normal. At an edge of the tank it is all of r across
   /// the edge, in a corner all of r.
   Vector<dim> projection(std::int64_t row, const Vector<dim>& r) const {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 namespace strake::fluid {
 namespace {

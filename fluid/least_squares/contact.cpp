@@ -20,10 +20,8 @@ Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>& boundary, const
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
   Vector<dim> out = Vector<dim>::Zero();
   for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.first_of_bodies(); ++e) {
-    const bool is_layer = columns[e] >= boundary.water();
-    if (is_layer && !walls_.wet(columns[e])) continue;
-    const double w = (is_layer ? walls_.bare(columns[e]) : 1.0) *
-                     (gradient_.radius * far.inverse_of(first + static_cast<std::int64_t>(e)) - 1);
+    const double w = walls_.pair_weight(columns[e], gradient_.radius,
+                                        far.inverse_of(first + static_cast<std::int64_t>(e)));
     out -= std::max(0.0, w) *
            boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
   }

@@ -45,7 +45,7 @@ void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& bounda
     for (std::size_t e = inner; e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
       if (!walls_.wet(j) || !is_over(boundary, state, i, j)) continue;
-      const double weight = walls_.bare(j) * (gradient_.radius * inverses[e] - 1),
+      const double weight = walls_.weight(j, gradient_.radius, inverses[e]),
                    w = weight * inverses[e] * inverses[e];
       const Vector<dim> projected = walls_.projection(j, periodic.separation(x, state.position.col(j)));
       faces.q_moment += w * wall_pressure_increment(boundary, state, i, j, projected, slope) * projected;

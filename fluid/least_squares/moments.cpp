@@ -4,7 +4,6 @@
 #include "fluid/particles/pair_loop.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 namespace strake::fluid {
@@ -182,7 +181,7 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
     const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e));
-    const double far_weight = walls_.bare(j) * (reach * inverse - 1);
+    const double far_weight = walls_.weight(j, reach, inverse);
     sums.weights += far_weight;
     const double part = volume_weight(1 / (inverse * reach));
     sums.volume += walls_.bare(j) * part;
@@ -196,10 +195,9 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
     const std::int64_t j = near_columns[e];
     if (!walls_.wet(j)) continue;
     const Vector<dim> r = periodic.separation(x, state.position.col(j));
-    const double bare = walls_.bare(j);
-    const double weight = bare * (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    const double weight = walls_.weight(j, gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
     sums.concentration += weight * r;
-    sums.stiffness += bare * (2 * gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    sums.stiffness += walls_.weight(j, 2 * gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
     if (!is_over(boundary, state, i, j)) continue;
     const Vector<dim> projected = walls_.projection(j, r);
     sums.a.noalias() += weight * projected * projected.transpose();

@@ -28,10 +28,8 @@ void LeastSquaresScheme<dim>::note_start(const Boundary<dim>& boundary, const St
     const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
     Vector<dim> opening = Vector<dim>::Zero();
     for (std::size_t e = 0; e < columns.size(); ++e) {
-      const bool is_layer = columns[e] >= water;
-      if (is_layer && !walls_.wet(columns[e])) continue;
-      const double w = (is_layer ? walls_.bare(columns[e]) : 1.0) *
-                       (laplacian_.radius * far.inverse_of(first + static_cast<std::int64_t>(e)) - 1);
+      const double w = walls_.pair_weight(columns[e], laplacian_.radius,
+                                          far.inverse_of(first + static_cast<std::int64_t>(e)));
       opening += w * boundary.tank().periodic().separation(x, state.position.col(columns[e]));
     }
     start_.opening.col(id) = opening.template cast<float>();

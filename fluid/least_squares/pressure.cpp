@@ -127,8 +127,8 @@ typename LeastSquaresScheme<dim>::WallTerms LeastSquaresScheme<dim>::wall_terms(
                        ? Beside::plate
                        : Beside::other_face;
     const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(j));
-    const double w = walls_.bare(j) *
-                     (laplacian_.radius * far.inverse_of(far.start()[k] + static_cast<std::int64_t>(e)) - 1);
+    const double w =
+        walls_.weight(j, laplacian_.radius, far.inverse_of(far.start()[k] + static_cast<std::int64_t>(e)));
     const Vector<dim> projected = walls_.projection(j, r);
     out.flux += w * relative_wall_velocity(boundary, state, i, j).dot(projected);
     out.projected += w * projected;

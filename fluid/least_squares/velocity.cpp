@@ -45,9 +45,10 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
       velocity_.motion[static_cast<std::size_t>(i)] = {.place = x, .velocity = u, .gradient = {}};
       continue;
     }
+    const bool is_wide = oblique_ && film_.share[i] > 0;  // ∇u comes from the wide pairs alone
     VecD<dim> sum[dim]{};
     [[maybe_unused]] Double4 all{};  // in the plane all products at once
-    for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
+    for (std::size_t e = 0, inner = is_wide ? 0 : water_pairs(columns, boundary.water()); e < inner; ++e) {
       const std::int64_t j = columns[e];
       const double inverse = inverses[e], w = (gradient_.radius * inverse - 1) * inverse * inverse;
       auto r = vec_at<dim>(places + dim * j) - x;
@@ -73,7 +74,7 @@ void LeastSquaresScheme<dim>::find_velocity_gradient(const Boundary<dim>& bounda
       motion.gradient[b] = sum[0] * inverse(0, b);
       for (int a = 1; a < dim; ++a) motion.gradient[b] += sum[a] * inverse(a, b);
     }
-    if (oblique_ && film_.share[i] > 0) {
+    if (is_wide) {
       const Tensor<dim> wide = film_.wide_gradient(state.velocity, i, [&](std::int64_t j) {
         return periodic.separation(state.position.col(i), state.position.col(j));
       });

@@ -190,7 +190,7 @@ Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(const Boundary<dim>&
   for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (!walls_.wet(j) || !is_over(boundary, state, i, j)) continue;
-    const double w = walls_.bare(j) * (gradient_.radius * inverses[e] - 1) * inverses[e] * inverses[e];
+    const double w = walls_.weight(j, gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
     const Vector<dim> projected = walls_.projection(
         j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
     seen.noalias() += w * projected * projected.transpose();
@@ -219,7 +219,7 @@ LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>& boun
     double sum = 0, weights = 0, reactions = 0, tension = 0, least = 0;
     for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e) {
       const std::int64_t i = columns[e];
-      const double w = walls_.bare(j) * (gradient_.radius * inverses[e] - 1);
+      const double w = walls_.weight(j, gradient_.radius, inverses[e]);
       if (w <= 0 || !is_over(boundary, state, i, j)) continue;
       const double up = normal.dot(boundary.tank().periodic().separation(state.position.col(i), face));
       const double on_face = state.pressure[i] + up * normal.dot(pressure_gradient_.col(i));

@@ -9,8 +9,6 @@
 
 #include <Eigen/Core>
 
-#include <span>
-
 namespace strake::fluid {
 
 /// Computes ∇P [Pa/m] of fluid/THEORY.md (F16), (F19) or (F20), at the particles that `masks.row` marks.

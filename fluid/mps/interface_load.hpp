@@ -9,8 +9,6 @@
 
 #include <Eigen/Core>
 
-#include <span>
-
 namespace strake::fluid {
 
 /// The data from which the load is computed.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fluid/mps/operators.hpp"
+#include "fluid/particles/kernel.hpp"
 #include "fluid/particles/neighbours.hpp"
 #include "fluid/particles/state.hpp"
 

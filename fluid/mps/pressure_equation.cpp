@@ -1,7 +1,5 @@
 #include "fluid/mps/pressure_equation.hpp"
 
-#include <cmath>
-
 namespace strake::fluid {
 
 double drift_factor(const Scheme& scheme, double dt) {

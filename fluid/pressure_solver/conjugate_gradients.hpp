@@ -5,8 +5,6 @@
 #include "fluid/pressure_solver/pressure_system.hpp"
 #include "fluid/ranks/halo.hpp"
 
-#include <Eigen/Core>
-
 #include <vector>
 
 namespace strake::fluid {

@@ -2,8 +2,6 @@
 
 #include "fluid/pressure_solver/sparse_row.hpp"
 
-#include <omp.h>
-
 #include <cmath>
 
 namespace strake::fluid {

@@ -1,7 +1,6 @@
 #include "fluid/ranks/rank_boxes.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 

@@ -1,7 +1,5 @@
 #include "fluid/viscosity/turbulence.hpp"
 
-#include "fluid/viscosity/viscosity.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>

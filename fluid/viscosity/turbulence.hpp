@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <span>
-#include <vector>
 
 namespace strake::fluid {
 

@@ -6,9 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 
 namespace strake::fluid {
 namespace {

@@ -3,6 +3,7 @@
 #include "proto/case/case_depth.hpp"
 #include "proto/case/case_document.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 
@@ -12,12 +13,6 @@
 
 namespace strake {
 namespace {
-
-std::string trimmed(std::string text) {
-  text.erase(0, text.find_first_not_of(" \t\r"));
-  text.erase(text.find_last_not_of(" \t\r") + 1);
-  return text;
-}
 
 struct SyntaxHelp {
   std::string problem, remark, fix;  // remark: beside the caret
@@ -37,8 +32,8 @@ SyntaxHelp syntax_help(const std::string& description, const std::string& line) 
   }
   const std::size_t equals = line.find('=');
   if (equals == std::string::npos) return help;
-  const std::string key = trimmed(line.substr(0, equals));
-  const std::string value = trimmed(line.substr(equals + 1, line.find('#', equals) - equals - 1));
+  const std::string key(trimmed(line.substr(0, equals)));
+  const std::string value(trimmed(line.substr(equals + 1, line.find('#', equals) - equals - 1)));
   if (key.empty()) return help;
   const bool is_word = !value.empty() && value.find_first_of("\"'[]{}=") == std::string::npos;
   const bool is_number = is_word && value.find_first_of("0123456789") < 2;
@@ -135,7 +130,7 @@ void CaseFile::Document::apply(const std::string& argument) {
     else if (c == '=')
       equals = i;
   }
-  const std::string path = trimmed(argument.substr(0, equals));
+  const std::string path(trimmed(argument.substr(0, equals)));
   std::vector<PathStep> steps = split_path(path);
   if (equals == std::string::npos || steps.empty() || steps.back().is_index)
     throw Error(ExitCode::command_line, where, "expected KEY=VALUE",
@@ -144,7 +139,7 @@ void CaseFile::Document::apply(const std::string& argument) {
     throw Error(ExitCode::case_file, "--set " + steps.front().key + "...",
                 fmt::format("the key has {} parts, expected at most {}", steps.size(), deepest_key),
                 "strake explain lists the keys; none has more than five");
-  const std::string value = trimmed(argument.substr(equals + 1));
+  const std::string value(trimmed(argument.substr(equals + 1)));
   if (value.starts_with('[') || value.starts_with('{')) require_shallow("value = " + value, "--set " + path);
 
   find_named(steps, where);

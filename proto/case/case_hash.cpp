@@ -1,5 +1,4 @@
 #include "proto/case/case_document.hpp"
-#include "proto/files/whole_file.hpp"
 
 #include <sodium.h>
 

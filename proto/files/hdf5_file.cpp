@@ -9,7 +9,6 @@
 #include <cassert>
 #include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 #include <string_view>
 
 namespace strake::hdf5 {

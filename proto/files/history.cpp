@@ -28,12 +28,6 @@ std::string header_of(const std::vector<Column>& columns, const std::filesystem:
   return header + "\n";
 }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// Cuts the first cell off a line that has one.
 std::string_view next_cell(std::optional<std::string_view>& line) {
   const std::size_t comma = line->find(',');

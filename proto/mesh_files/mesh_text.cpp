@@ -15,4 +15,28 @@ MeshText read_mesh_text(const std::filesystem::path& path) {
               "gmsh -2 -format msh41 FILE.geo");
 }
 
+bool is_face(const MeshText::Element& element, int dimension) {
+  if (dimension == 2) return element.kind == "line";
+  return element.kind == "triangle" || element.kind == "quadrilateral";
+}
+
+Eigen::MatrixXi faces_of(const std::vector<std::vector<int>>& walks, const Points& position, int dimension,
+                         const std::string& file) {
+  const auto distance = [&](int a, int b) { return (position.col(a) - position.col(b)).norm(); };
+  std::vector<int> corners;
+  for (const std::vector<int>& p : walks)
+    if (p.size() < 4)
+      corners.insert(corners.end(), p.begin(), p.end());
+    else if (distance(p[0], p[2]) <= distance(p[1], p[3]))
+      corners.insert(corners.end(), {p[0], p[1], p[2], p[0], p[2], p[3]});
+    else
+      corners.insert(corners.end(), {p[0], p[1], p[3], p[1], p[2], p[3]});
+  if (corners.empty())
+    throw Error(ExitCode::case_file, file,
+                dimension == 2 ? "holds no lines" : "holds no triangles and no quadrilaterals",
+                "mesh the surface that meets the water, or give it a physical group");
+  return Eigen::Map<Eigen::MatrixXi>(corners.data(), dimension,
+                                     static_cast<Eigen::Index>(corners.size()) / dimension);
+}
+
 }  // namespace strake

@@ -33,6 +33,14 @@ MeshText read_abaqus(const std::filesystem::path&);
 /// The text of a Gmsh file; `name` stands for it in errors.
 MeshText read_gmsh_text(const std::string& text, const std::string& name);
 
+/// Whether an element is a face of a surface: a line in two dimensions, else a triangle or a quadrilateral.
+bool is_face(const MeshText::Element&, int dimension);
+/// Faces of a surface, dimension×m indices of points, from the points of each face walked around.
+/// Quadrilaterals become two triangles, cut along the shorter diagonal. Throws Error(case_file) that names
+/// `file` where there are none.
+Eigen::MatrixXi faces_of(const std::vector<std::vector<int>>& walks, const Points& position, int dimension,
+                         const std::string& file);
+
 /// A surface as the text of a Gmsh file (format 2.2): its points, its segments or triangles, and vectors on
 /// its points. Every number reads back to the same float64.
 /// mesh: n points [m], m faces; fields: 3×n each; others are left out.

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <limits>
-#include <numeric>
 #include <thread>
 
 namespace strake {

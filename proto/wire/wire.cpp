@@ -230,43 +230,10 @@ Fault read(const pb::Fault& from) {
   return {from.where(), from.problem(), from.fix(), code};
 }
 
-/// "Advance" for the field `advance` of the oneof, for errors.
-const char* content_of(const pb::Request& header) {
-  switch (header.what_case()) {
-    case pb::Request::kSetup:
-      return "Setup";
-    case pb::Request::kAdvance:
-      return "Advance";
-    case pb::Request::kCheckpoint:
-      return "Checkpoint";
-    case pb::Request::kStop:
-      return "Stop";
-    case pb::Request::kRefused:
-      return "Refused";
-    case pb::Request::WHAT_NOT_SET:
-      break;
-  }
-  return "Request";
-}
-const char* content_of(const pb::Reply& header) {
-  switch (header.what_case()) {
-    case pb::Reply::kHello:
-      return "Hello";
-    case pb::Reply::kReady:
-      return "Ready";
-    case pb::Reply::kAdvanced:
-      return "Advanced";
-    case pb::Reply::kDone:
-      return "Done";
-    case pb::Reply::kFault:
-      return "Fault";
-    case pb::Reply::kWorking:
-      return "Working";
-    case pb::Reply::WHAT_NOT_SET:
-      break;
-  }
-  return "Reply";
-}
+/// Names of the messages by their numbers in the oneof `what` (coupling.proto), for errors; 0: none is set.
+constexpr std::array requests{"Request", "", "Setup", "Advance", "Checkpoint", "Stop", "Refused"};
+constexpr std::array replies{"Reply", "", "Hello", "Ready", "Advanced", "Done", "Fault", "Working"};
+constexpr std::size_t first_number = 2;
 
 template <class Header, class Message>
 Parts encode_any(Message message, const std::string& who) {
@@ -296,7 +263,7 @@ Parts encode(Reply reply, const std::string& who) {
 Request decode_request(const Parts& parts, const std::string& who) {
   Scratch scratch;
   const auto& header = parse_header<pb::Request>(scratch, parts, {who, "Request"});
-  const Rules rules{who, content_of(header)};
+  const Rules rules{who, requests.at(header.what_case())};
   Reader reader(rules, parts);
   Request to;
   to.sequence = header.sequence();
@@ -330,7 +297,7 @@ Request decode_request(const Parts& parts, const std::string& who) {
 Reply decode_reply(const Parts& parts, const std::string& who) {
   Scratch scratch;
   const auto& header = parse_header<pb::Reply>(scratch, parts, {who, "Reply"});
-  const Rules rules{who, content_of(header)};
+  const Rules rules{who, replies.at(header.what_case())};
   Reader reader(rules, parts);
   Reply to;
   to.sequence = header.sequence();
@@ -365,12 +332,12 @@ Reply decode_reply(const Parts& parts, const std::string& who) {
   return to;
 }
 
-// In the order of the alternatives.
+// The alternatives stand in the order of their numbers.
 const char* name_of(const Request& request) {
-  return std::array{"Setup", "Advance", "Checkpoint", "Stop", "Refused"}.at(request.what.index());
+  return requests.at(first_number + request.what.index());
 }
 const char* name_of(const Reply& reply) {
-  return std::array{"Hello", "Ready", "Advanced", "Done", "Fault", "Working"}.at(reply.what.index());
+  return replies.at(first_number + reply.what.index());
 }
 
 }  // namespace strake::wire

@@ -1,6 +1,5 @@
 #include "proto/error.hpp"
 #include "proto/files/history.hpp"
-#include "proto/files/whole_file.hpp"
 #include "structure/case/keys.hpp"
 
 #include <fmt/format.h>

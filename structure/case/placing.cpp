@@ -1,4 +1,3 @@
-#include "structure/body/surface.hpp"
 #include "structure/case/keys.hpp"
 
 #include <Eigen/Geometry>

@@ -3,7 +3,6 @@
 #include "structure/material/stress.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

@@ -3,8 +3,6 @@
 #include "proto/error.hpp"
 #include "structure/body/surface.hpp"
 
-#include <fmt/format.h>
-
 #include <cstring>
 #include <utility>
 

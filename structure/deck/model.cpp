@@ -2,10 +2,7 @@
 
 #include "proto/error.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
-#include <cmath>
 #include <limits>
 
 namespace strake::structure::deck {

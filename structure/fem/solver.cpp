@@ -12,7 +12,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <utility>
 
 namespace strake::structure::fem {

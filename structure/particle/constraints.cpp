@@ -1,12 +1,10 @@
 #include "structure/particle/constraints.hpp"
 
-#include "proto/error.hpp"
 #include "structure/particle/sites.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <set>
 
 namespace strake::structure {

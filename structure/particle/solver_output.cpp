@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 // Output of a particle solver: checkpoints, frames, the lines of a run, columns of its own.
 

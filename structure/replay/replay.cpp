@@ -5,7 +5,6 @@
 #include "structure/body/surface.hpp"
 #include "structure/rigid/rigid.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>

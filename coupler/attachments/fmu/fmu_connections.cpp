@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -17,11 +16,6 @@
 
 namespace strake {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
 
 /// An SI unit by name and by its exponents.
 struct SiUnit {
@@ -46,7 +40,7 @@ struct Connection {
   /// Names of variables may hold '=' in quotes; quantities and numbers hold none.
   std::pair<std::string, std::string> sides(std::size_t equals, const std::string& example) const {
     if (equals == std::string::npos) refuse("has no =", example);
-    const std::string left = trimmed(text.substr(0, equals)), right = trimmed(text.substr(equals + 1));
+    const std::string left(trimmed(text.substr(0, equals))), right(trimmed(text.substr(equals + 1)));
     if (left.empty() || right.empty()) refuse("lacks a side", example);
     return {left, right};
   }

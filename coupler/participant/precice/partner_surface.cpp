@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <map>
 #include <utility>
@@ -17,11 +16,6 @@ namespace {
 
 using Eigen::Index;
 
-bool is_face(const MeshText::Element& element, int dimension) {
-  if (dimension == 2) return element.kind == "line";
-  return element.kind == "triangle" || element.kind == "quadrilateral";
-}
-
 /// The surface in a mesh file: the points that its faces use, in the order of the file's numbers.
 class SurfaceOfFile {
  public:
@@ -30,9 +24,6 @@ class SurfaceOfFile {
     mesh_.dimension = dimension;
     take_points();
     take_faces();
-    if (mesh_.faces.cols() == 0)
-      refuse(dimension == 2 ? "holds no lines" : "holds no triangles and no quadrilaterals",
-             "mesh the surface that meets the water, or give it a physical group");
     if (!orient(mesh_.faces, mesh_.position))
       refuse("more than two faces meet, or the surface has one side only",
              "mesh the outer surface of the body alone");
@@ -68,24 +59,14 @@ class SurfaceOfFile {
     }
   }
 
-  double distance(int a, int b) const { return (mesh_.position.col(a) - mesh_.position.col(b)).norm(); }
-
-  /// Quadrilaterals become two triangles, cut along the shorter diagonal.
   void take_faces() {
-    std::vector<int> corners;
+    std::vector<std::vector<int>> walks;
     for (const MeshText::Element& element : text_.element) {
       if (!is_face(element, mesh_.dimension)) continue;
-      std::vector<int> p;
-      for (const long node : element.node) p.push_back(point_.at(node));
-      if (p.size() < 4)
-        corners.insert(corners.end(), p.begin(), p.end());
-      else if (distance(p[0], p[2]) <= distance(p[1], p[3]))
-        corners.insert(corners.end(), {p[0], p[1], p[2], p[0], p[2], p[3]});
-      else
-        corners.insert(corners.end(), {p[0], p[1], p[3], p[1], p[2], p[3]});
+      walks.emplace_back();
+      for (const long node : element.node) walks.back().push_back(point_.at(node));
     }
-    mesh_.faces = Eigen::Map<Eigen::MatrixXi>(corners.data(), mesh_.dimension,
-                                              static_cast<Index>(corners.size()) / mesh_.dimension);
+    mesh_.faces = faces_of(walks, mesh_.position, mesh_.dimension, where_);
   }
 
   const MeshText& text_;

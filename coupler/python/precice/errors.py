@@ -3,7 +3,3 @@
 
 class Error(RuntimeError):
     """A call that cannot be carried out: the function, what is wrong, what was expected."""
-
-
-def refuse(function, reason):
-    raise Error(f"{function}() is not supported by Strake: {reason}")

@@ -1,305 +1,193 @@
-"""Class `Participant` with the methods of preCICE's Python bindings 3.x, carried out by Strake's messages."""
+"""Class `Participant` with the methods of preCICE's Python bindings 3.x, carried out by Strake's libprecice.so.3."""
+import ctypes
+import os
+
 import numpy as np
 
-from strake.errors import Error as StrakeError, nearest
-
-from .config import read_configuration
-from .errors import Error, refuse
-from .names import quantity_of, read_names
-from .session import Session, connection_data
-from .vertices import Vertices, numbers
-from .waveform import SAME, Waveform, check_time
-
-VERSION = b"3.4.1-strake; pure Python; coupled by Strake"
-BEFORE, DURING, AFTER = "initialize", "advance", "finalize"  # what a participant has still to be asked
+from .errors import Error
+from .library import library, python_name
 
 
 def get_version_information():
-    return VERSION
+    return library().call("getVersionInformation", result=ctypes.c_char_p)
 
 
 class Participant:
     """One solver. Its calls mean what they mean under preCICE; what Strake does not have raises `Error` by name."""
 
     def __init__(self, solver_name, configuration_file_name, solver_process_index, solver_process_size, communicator=None):
-        if (solver_process_index, solver_process_size) != (0, 1):
-            raise Error(f"Participant(): process {solver_process_index} of {solver_process_size}: Strake couples a solver in one process")
-        connection_data()  # an error of its own before one of the file
-        self._name = str(solver_name)
-        self._config = read_configuration(configuration_file_name, self._name)
-        self._names = read_names()
-        self._meshes = {name: Vertices(name, self._config.meshes[name].dimensions) for name in self._config.provided}
-        self._writes, self._reads = ([(mesh, data) for mesh, data in listed if mesh in self._meshes]
-                                     for listed in (self._config.write, self._config.read))
-        self._stage = BEFORE
-        self._asked_initial = False
-        self._written, self._read = {}, {}  # by mesh and data
-        self._session = self._carry_out(Session, self._name, self._config.is_implicit)
+        if not os.environ.get("STRAKE_CONNECT"):
+            raise Error("Participant(): STRAKE_CONNECT is not set. This module precice belongs to Strake, whose coupler starts the solver: "
+                        "strake run CASE. For preCICE itself take this module's folder out of PYTHONPATH")
+        self._library, self._finalized = library(), False
+        self._call("createParticipant", str(solver_name), str(configuration_file_name), int(solver_process_index), int(solver_process_size))
 
     # ---- steering
 
     def initialize(self):
-        self._expect(BEFORE, "initialize")
-        missing = [data for _, data in self._config.write if data in self._config.initial and not self._asked_initial]
-        if missing:
-            raise Error(f'initialize(): "{missing[0]}" has a value at the begin (exchange initialize="true"); '
-                        "ask requires_initial_data() first, and write it")
-        meshes = self._coupled_meshes()
-        written, taken = (self._quantities(listed, verb, len(meshes))
-                          for listed, verb in ((self._writes, "writes"), (self._reads, "reads")))
-        self._carry_out(self._session.begin, meshes, written, self._buffers(), taken, self._config.histories)
-        self._stage = DURING
-        for (mesh, data), (quantity, _) in zip(self._reads, taken):
-            self._read[mesh, data] = Waveform(self._session.first_value(quantity, mesh), self._config.data[data].degree)
-        self._after_step()
+        self._call("initialize")
 
     def advance(self, computed_timestep_length):
-        self._expect(DURING, "advance")
-        session, dt = self._session, float(computed_timestep_length)
-        if not session.ongoing:
-            raise Error("advance(): the coupling has ended; ask is_coupling_ongoing() before")
-        if not np.isfinite(dt) or dt <= 0:
-            raise Error(f"advance(): a time step of {dt:g} s, expected more than 0")
-        if dt > session.left + SAME * session.dt:
-            raise Error(f"advance(): a time step of {dt:g} s, but the window ends in {session.left:g} s; get_max_time_step_size() tells it")
-        if "write" in session.duties:
-            raise Error("advance(): requires_writing_checkpoint() was not asked; the window may be computed again, and the solver must save its state")
-        if "read" in session.duties:
-            raise Error("advance(): requires_reading_checkpoint() was not asked; the window is computed again, and the solver must return to its state")
-        if self._carry_out(session.step, dt, self._buffers()) and session.complete:
-            for waveform in self._read.values():
-                waveform.accept()
-        self._after_step()
+        self._call("advance", float(computed_timestep_length))
 
     def finalize(self):
-        if self._stage == AFTER:
-            raise Error("finalize(): was called before")
-        self._stage = AFTER
-        self._carry_out(self._session.finish)
+        self._call("finalize")
+        self._finalized = True
 
     # ---- status
 
     def get_mesh_dimensions(self, mesh_name):
-        self._expect_not_after("get_mesh_dimensions")
-        return self._config.used_mesh(mesh_name, "get_mesh_dimensions").dimensions
+        return self._call("getMeshDimensions", mesh_name)
 
     def get_data_dimensions(self, mesh_name, data_name):
-        self._expect_not_after("get_data_dimensions")
-        mesh = self._config.used_mesh(mesh_name, "get_data_dimensions")
-        if data_name not in mesh.data:
-            raise Error(f'get_data_dimensions(): the mesh "{mesh_name}" has no data "{data_name}"; {nearest(data_name, mesh.data)}')
-        return mesh.dimensions if self._config.data[data_name].is_vector else 1
+        return self._call("getDataDimensions", mesh_name, data_name)
 
     def is_coupling_ongoing(self):
-        self._expect(DURING, "is_coupling_ongoing")
-        return self._session.ongoing
+        return bool(self._call("isCouplingOngoing"))
 
     def is_time_window_complete(self):
-        self._expect(DURING, "is_time_window_complete")
-        return self._session.complete
+        return bool(self._call("isTimeWindowComplete"))
 
     def get_max_time_step_size(self):
-        self._expect(DURING, "get_max_time_step_size")
-        return self._session.left if self._session.ongoing else 0.0
+        return self._call("getMaxTimeStepSize", result=ctypes.c_double)
 
     def requires_initial_data(self):
-        self._expect(BEFORE, "requires_initial_data")
-        self._asked_initial = True
-        return any(data in self._config.initial for _, data in self._config.write)
+        return bool(self._call("requiresInitialData"))
 
     def requires_writing_checkpoint(self):
-        self._expect(DURING, "requires_writing_checkpoint")
-        return self._session.ask_duty("write")
+        return bool(self._call("requiresWritingCheckpoint"))
 
     def requires_reading_checkpoint(self):
-        self._expect(DURING, "requires_reading_checkpoint")
-        return self._session.ask_duty("read")
+        return bool(self._call("requiresReadingCheckpoint"))
 
     # ---- mesh
 
     def requires_mesh_connectivity_for(self, mesh_name):
-        self._expect_not_after("requires_mesh_connectivity_for")
-        self._config.mesh(mesh_name, "requires_mesh_connectivity_for")
-        # The coupler projects onto a structure's faces, and Strake's water needs them.
-        return self._session.side == "structure" or mesh_name in self._config.projects
+        return bool(self._call("requiresMeshConnectivityFor", mesh_name))
 
     def set_mesh_vertex(self, mesh_name, position):
-        return int(self._mesh(mesh_name, "set_mesh_vertex").add([position], "set_mesh_vertex")[0])
+        return self._call("setMeshVertex", mesh_name, rows(position, 1, self._width("setMeshVertex", mesh_name), "set_mesh_vertex(): the position"))
 
     def set_mesh_vertices(self, mesh_name, positions):
-        return self._mesh(mesh_name, "set_mesh_vertices").add(positions, "set_mesh_vertices")
+        n = len(positions)
+        points = rows(positions, n, self._width("setMeshVertices", mesh_name), "set_mesh_vertices(): the positions")
+        ids = np.empty(n, np.int32)
+        self._call("setMeshVertices", mesh_name, n, points, ids)
+        return ids
 
     def get_mesh_vertex_size(self, mesh_name):
-        self._expect_not_after("get_mesh_vertex_size")
-        self._config.mesh(mesh_name, "get_mesh_vertex_size")
-        return len(self._meshes[mesh_name])
+        return self._call("getMeshVertexSize", mesh_name)
+
+    def get_mesh_vertex_ids_and_coordinates(self, mesh_name):
+        n = self.get_mesh_vertex_size(mesh_name)
+        ids, coordinates = np.empty(n, np.int32), np.empty((n, self.get_mesh_dimensions(mesh_name)))
+        self._call("getMeshVertexIDsAndCoordinates", mesh_name, n, ids, coordinates)
+        return ids, coordinates
 
     def set_mesh_edge(self, mesh_name, first_vertex_id, second_vertex_id):
-        self._mesh(mesh_name, "set_mesh_edge").connect([first_vertex_id, second_vertex_id], 2, "set_mesh_edge")
+        self._call("setMeshEdge", mesh_name, int(first_vertex_id), int(second_vertex_id))
 
     def set_mesh_edges(self, mesh_name, vertices):
-        self._mesh(mesh_name, "set_mesh_edges").connect(vertices, 2, "set_mesh_edges")
+        self._connect("setMeshEdges", mesh_name, vertices, 2)
 
     def set_mesh_triangle(self, mesh_name, first_vertex_id, second_vertex_id, third_vertex_id):
-        self._mesh(mesh_name, "set_mesh_triangle").connect([first_vertex_id, second_vertex_id, third_vertex_id], 3, "set_mesh_triangle")
+        self._call("setMeshTriangle", mesh_name, int(first_vertex_id), int(second_vertex_id), int(third_vertex_id))
 
     def set_mesh_triangles(self, mesh_name, vertices):
-        self._mesh(mesh_name, "set_mesh_triangles").connect(vertices, 3, "set_mesh_triangles")
+        self._connect("setMeshTriangles", mesh_name, vertices, 3)
 
     def set_mesh_quad(self, mesh_name, first_vertex_id, second_vertex_id, third_vertex_id, fourth_vertex_id):
-        ids = [first_vertex_id, second_vertex_id, third_vertex_id, fourth_vertex_id]
-        self._mesh(mesh_name, "set_mesh_quad").connect(ids, 4, "set_mesh_quad")
+        self._call("setMeshQuad", mesh_name, int(first_vertex_id), int(second_vertex_id), int(third_vertex_id), int(fourth_vertex_id))
 
     def set_mesh_quads(self, mesh_name, vertices):
-        self._mesh(mesh_name, "set_mesh_quads").connect(vertices, 4, "set_mesh_quads")
+        self._connect("setMeshQuads", mesh_name, vertices, 4)
 
     def set_mesh_tetrahedron(self, mesh_name, first_vertex_id, second_vertex_id, third_vertex_id, fourth_vertex_id):
-        ids = [first_vertex_id, second_vertex_id, third_vertex_id, fourth_vertex_id]
-        self._mesh(mesh_name, "set_mesh_tetrahedron").connect(ids, 4, "set_mesh_tetrahedron")
+        self._call("setMeshTetrahedron", mesh_name, int(first_vertex_id), int(second_vertex_id), int(third_vertex_id), int(fourth_vertex_id))
 
     def set_mesh_tetrahedra(self, mesh_name, vertices):
-        self._mesh(mesh_name, "set_mesh_tetrahedra").connect(vertices, 4, "set_mesh_tetrahedra")
+        self._connect("setMeshTetrahedra", mesh_name, vertices, 4)
 
     # ---- data
 
     def write_data(self, mesh_name, data_name, vertex_ids, values):
-        self._expect_not_after("write_data")
-        if not self._session.ongoing:
-            raise Error("write_data(): the run has ended")
-        data = self._config.data_of(mesh_name, data_name, "write_data", self._config.write, "writes")
-        mesh = self._meshes[mesh_name]
-        ids = mesh.known(vertex_ids, "write_data").ravel()
-        array = numbers(values, f'write_data("{mesh_name}", "{data_name}"): the values')
-        width = mesh.dimensions if data.is_vector else 1
-        if array.size != len(ids) * width or (array.ndim == 2 and array.shape[1] != width):
-            raise Error(f'write_data(): "{data_name}" has values of the shape {array.shape}, expected {len(ids)} × {width}')
-        self._buffer(mesh_name, data_name)[ids] = array.reshape(len(ids), width)
+        ids = whole_numbers(vertex_ids, "write_data").ravel()
+        width = self._width("writeData", mesh_name, data_name, function="getDataDimensions")
+        array = rows(values, len(ids), width, f'write_data("{mesh_name}", "{data_name}"): the values')
+        self._call("writeData", mesh_name, data_name, len(ids), ids, array)
 
     def read_data(self, mesh_name, data_name, vertex_ids, relative_read_time):
-        self._expect(DURING, "read_data")
-        data = self._config.data_of(mesh_name, data_name, "read_data", self._config.read, "reads")
-        mesh, session = self._meshes[mesh_name], self._session
-        ids = mesh.known(vertex_ids, "read_data").ravel()
-        waveform = self._read[mesh_name, data_name]
-        if not session.ongoing:
-            check_time("read_data", relative_read_time, 0, session.dt)
-            found = waveform.begin
-        else:
-            check_time("read_data", relative_read_time, session.left, session.dt)
-            found = waveform.at(session.now + relative_read_time)
-        return found[ids, :mesh.dimensions].copy() if data.is_vector else found[ids, 0].copy()
+        ids = whole_numbers(vertex_ids, "read_data").ravel()
+        width = self._width("readData", mesh_name, data_name, function="getDataDimensions")
+        values = np.empty((len(ids), width))
+        self._call("readData", mesh_name, data_name, len(ids), ids, float(relative_read_time), values)
+        return values if width > 1 else values[:, 0]
 
     # ---- profiling
 
     def start_profiling_section(self, event_name):
-        self._expect_not_after("start_profiling_section")
-        self._session.start_section(event_name)
+        self._call("startProfilingSection", event_name)
 
     def stop_last_profiling_section(self):
-        self._expect_not_after("stop_last_profiling_section")
-        self._session.stop_section()
+        self._call("stopLastProfilingSection")
 
-    # ---- what Strake does not have
+    # ---- what Strake does not have: the library refuses it before it looks at arrays
 
     def requires_gradient_data_for(self, mesh_name, data_name):
-        return False
+        return bool(self._call("requiresGradientDataFor", mesh_name, data_name))
 
     def write_gradient_data(self, mesh_name, data_name, vertex_ids, gradients):
-        refuse("write_gradient_data", "no mapping of it takes gradients; requires_gradient_data_for() says so")
+        self._call("writeGradientData", mesh_name, data_name, 0, NOTHING, NOTHING)
 
     def set_mesh_access_region(self, mesh_name, bounding_box):
-        refuse("set_mesh_access_region", "a solver sees its own mesh alone")
-
-    def get_mesh_vertex_ids_and_coordinates(self, mesh_name):
-        refuse("get_mesh_vertex_ids_and_coordinates", "a solver sees its own mesh alone")
+        self._call("setMeshAccessRegion", mesh_name, NOTHING)
 
     def write_and_map_data(self, mesh_name, data_name, coordinates, values):
-        refuse("write_and_map_data", "values are mapped from the points of a mesh; use set_mesh_vertices and write_data")
+        self._call("writeAndMapData", mesh_name, data_name, 0, NOTHING, NOTHING)
 
     def map_and_read_data(self, mesh_name, data_name, coordinates, relative_read_time):
-        refuse("map_and_read_data", "values are mapped onto the points of a mesh; use set_mesh_vertices and read_data")
+        self._call("mapAndReadData", mesh_name, data_name, 0, NOTHING, 0.0, NOTHING)
 
     def reset_mesh(self, mesh_name):
-        refuse("reset_mesh", "a mesh stays as it is for the whole run")
+        self._call("resetMesh", mesh_name)
 
     # ---- inside
 
-    def _carry_out(self, step, *arguments):
-        """Calls a part of the conversation; its errors become errors of this module."""
+    def _call(self, function, *arguments, **result):
+        if self._finalized:
+            raise Error(f"{python_name(function)}(): was called after finalize()")
+        return self._library.call(function, *arguments, **result)
+
+    def _width(self, caller, *names, function="getMeshDimensions"):
+        """What a function says of a mesh or its data; an error names the caller."""
         try:
-            return step(*arguments)
-        except StrakeError as e:
-            raise Error(str(e)) from e
+            return self._call(function, *names)
+        except Error as e:
+            raise Error(str(e).replace(python_name(function), python_name(caller), 1)) from None
 
-    def _expect_not_after(self, function):
-        if self._stage == AFTER:
-            raise Error(f"{function}(): was called after finalize()")
+    def _connect(self, function, mesh_name, vertices, corners):
+        ids = whole_numbers(vertices, python_name(function))
+        if ids.size % corners or (ids.ndim == 2 and ids.shape[1] != corners):
+            raise Error(f"{python_name(function)}(): ids of the shape {ids.shape}, expected {corners} in a row")
+        self._call(function, mesh_name, ids.size // corners, ids)
 
-    def _expect(self, stage, function):
-        self._expect_not_after(function)
-        if self._stage != stage:
-            raise Error(f"{function}(): was called {'before' if stage == DURING else 'after'} initialize()")
 
-    def _mesh(self, name, function):
-        self._expect_not_after(function)
-        if self._stage != BEFORE:
-            raise Error(f"{function}(): was called after initialize(); a mesh stays as it is for the whole run")
-        self._config.mesh(name, function)
-        return self._meshes[name]
+NOTHING = np.zeros(0)
 
-    def _coupled_meshes(self):
-        """The meshes that have data: at least one, in one space, all with vertices."""
-        names = self._config.coupled() or self._config.provided[:1]
-        if not names:
-            raise Error(f"initialize(): {self._name} provides no mesh")
-        meshes = [self._meshes[name] for name in names]
-        for mesh in meshes:
-            if not len(mesh):
-                raise Error(f'initialize(): the mesh "{mesh.name}" has no vertices; set_mesh_vertices() sets them')
-            if mesh.dimensions != meshes[0].dimensions:
-                raise Error(f'initialize(): the mesh "{mesh.name}" has {mesh.dimensions} dimensions, "{meshes[0].name}" has '
-                            f"{meshes[0].dimensions}; all meshes of a participant lie in one space")
-        return meshes
 
-    def _quantities(self, listed, verb, n_meshes):
-        """Pairs of quantity and name of its mesh. With several meshes each quantity stands on one of them."""
-        pairs = [(self._quantity(mesh, data), mesh) for mesh, data in listed]
-        seen = {}
-        for (quantity, mesh), (_, data) in zip(pairs, listed):
-            if quantity.name in seen and n_meshes > 1:
-                raise Error(f'initialize(): {self._name} {verb} "{data}" on "{mesh}" and {seen[quantity.name]}: both are {quantity.name}; '
-                            "STRAKE_PRECICE_NAMES gives data names of their own")
-            seen[quantity.name] = f'"{data}" on "{mesh}"'
-        return pairs
+def rows(values, n, width, what):
+    """Values as n rows of float64; Error where they are no numbers, or not as many."""
+    try:
+        array = np.ascontiguousarray(values, float)
+    except (TypeError, ValueError):
+        raise Error(f"{what} are no numbers") from None
+    if array.size != n * width or (array.ndim == 2 and array.shape[1] != width and array.size):
+        raise Error(f"{what} have the shape {array.shape}, expected {n} × {width}")
+    return array
 
-    def _quantity(self, mesh, data):
-        return quantity_of(self._config.data[data], self._config.meshes[mesh].dimensions,
-                           self._config.is_conservative(mesh, data), self._names)
 
-    def _buffers(self):
-        return [self._buffer(mesh, data) for mesh, data in self._writes]
-
-    def _buffer(self, mesh, data):
-        """What was written last, vertices × components of the data; 0 where nothing was."""
-        n, width = len(self._meshes[mesh]), self._config.meshes[mesh].dimensions if self._config.data[data].is_vector else 1
-        have = self._written.get((mesh, data))
-        if have is None or len(have) < n:
-            new = np.zeros((n, width))
-            if have is not None:
-                new[:len(have)] = have
-            self._written[mesh, data] = have = new
-        return have
-
-    def _after_step(self):
-        """What was written is 0 again, as in preCICE; at the begin of a window the partner's samples are taken."""
-        session, self._written = self._session, {}
-        if not session.ongoing or session.now != session.t:
-            return
-        for (mesh, data), waveform in self._read.items():
-            name = self._quantity(mesh, data).name
-            samples = [(time, self._carry_out(session.on_mesh, fields[name], mesh)) for time, fields in session.samples if name in fields]
-            if not samples:
-                sent = sorted({name for _, fields in session.samples for name in fields})
-                raise Error(f'initialize(): the partner sends {", ".join(sent) or "nothing"}, and "{data}" is read as {name}; '
-                            "STRAKE_PRECICE_NAMES says which quantity a data is")
-            waveform.take(session.t, session.dt, samples)
+def whole_numbers(ids, function):
+    array = np.asarray(ids)
+    if array.size and array.dtype.kind not in "iu":
+        raise Error(f"{function}(): ids are whole numbers, not {array.dtype}")
+    return np.ascontiguousarray(array, np.int32)

@@ -51,17 +51,14 @@ class Connection:
             raise Error(f"is no endpoint that can be reached: {e}", "the coupler's console and its run.json tell it", endpoint, 2) from None
         self.say_hello()
 
-    def ask(self, limit=float("inf")):
+    def ask(self):
         """The next question: its header, and an iterator over the frames behind it. One that comes twice is answered twice.
 
-        limit: None is returned where no question has come for so long [s]. Error where the coupler refuses this participant, or sends what is no question.
+        Error where the coupler refuses this participant, or sends what is no question.
         """
-        end = time.monotonic() + limit
         while True:
             while not self.socket.poll(LOOK):
                 self.look()
-                if time.monotonic() > end:
-                    return None
             header, *frames = self.socket.recv_multipart()
             received = time.monotonic_ns()
             try:

@@ -2,7 +2,6 @@
 import copy
 import pathlib
 import sys
-import sysconfig
 import traceback
 import types
 
@@ -12,13 +11,9 @@ from . import quantities
 from .arrays import Mesh, field_header, nothing_left, spread, take_fields, take_mesh, wrong_message
 from .connection import Connection
 from .errors import Error, RetrySmallerStep
+from .faults import error_of
 from .messages import pb
 from .options import Options
-
-
-# Folders of Python's library, of packages and of this one. An exception is named by a line outside of them.
-OF_OTHERS = ("<", *(str(pathlib.Path(path)) for path in (
-    pathlib.Path(__file__).resolve().parent, sysconfig.get_path("stdlib"), pathlib.Path(np.__file__).parent.parent)))
 
 
 class Participant:
@@ -263,17 +258,6 @@ class Participant:
             raise Error(f"the state {odd[0]} is {type(state[odd[0]]).__name__}, which no checkpoint can hold",
                         "make it an array, or override write_checkpoint(folder) and read_checkpoint(folder)")
         return arrays
-
-
-def error_of(problem):
-    """An exception of a solver as an Error with the line that raised it."""
-    if isinstance(problem, Error):
-        return problem
-    raised = traceback.extract_tb(problem.__traceback__)
-    inside = [frame for frame in raised if not frame.filename.startswith(OF_OTHERS)] or raised
-    where = f"{pathlib.Path(inside[-1].filename).name}:{inside[-1].lineno}, in {inside[-1].name}" if inside else ""
-    text = str(problem)
-    return Error(f"{type(problem).__name__}{': ' + text if text else ''}", "its traceback stands in the solver's log", where)
 
 
 def report(error):

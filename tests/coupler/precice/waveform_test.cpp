@@ -50,6 +50,7 @@ TEST(Waveform, IsConstantOverEachStepWithDegreeZero) {
   waveform.set_window(0, {{0.5, number(1)}, {1, number(2)}});
   EXPECT_DOUBLE_EQ(waveform.at(0)(0, 0), 1);
   EXPECT_DOUBLE_EQ(waveform.at(0.4)(0, 0), 1);
+  EXPECT_DOUBLE_EQ(waveform.at(0.5)(0, 0), 1);
   EXPECT_DOUBLE_EQ(waveform.at(0.6)(0, 0), 2);
 }
 

@@ -70,7 +70,7 @@ class ToyCoupler:
 
     def setup(self, **more):
         """Setup with an empty mesh of the partner, which is one frame of 0 bytes."""
-        return self.ask(b"", setup=pb.Setup(run_folder=str(self.folder), interface="surface", partner_mesh=pb.Mesh(), **more))
+        return self.ask(b"", setup=pb.Setup(run_folder=str(self.folder), interface="surface", partner_mesh=pb.Mesh(dimension=2), **more))
 
     def advance(self, t, dt, load, before="NOTHING", quantity="force", history=()):
         """One window; load: points × 3, of the window; history: pairs of time and load before its end."""

@@ -2,6 +2,7 @@
 // strangers_test.cpp.
 
 #include "coupler/processes/remote.hpp"
+#include "coupler/transport/endpoint.hpp"
 #include "proto/error.hpp"
 #include "tests/coupler/transport/network_fixture.hpp"
 
