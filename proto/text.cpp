@@ -1,6 +1,7 @@
 #include "proto/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstddef>
 
@@ -11,6 +12,21 @@ std::string grouped(long long number) {
   for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > 0; place -= 3)
     digits.insert(static_cast<std::size_t>(place), " ");
   return (number < 0 ? "-" : "") + digits;
+}
+
+std::string hexadecimal(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += digits[byte / 16U];
+    text += digits[byte % 16U];
+  }
+  return text;
+}
+
+std::string time_text(const char* format, const std::tm& time) {
+  std::array<char, 64> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), format, &time)};
 }
 
 std::string lower_case(std::string_view text) {
