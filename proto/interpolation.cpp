@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "proto/motion.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -48,7 +49,7 @@ int degree_of(const std::string& name, const std::string& key, const std::vector
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
     throw Error(ExitCode::case_file, key, fmt::format("\"{}\" is not among its words", name),
-                fmt::format("one of {}", fmt::join(names, ", ")));
+                fmt::format("one of {}", joined(names)));
   return static_cast<int>(found - names.begin());
 }
 

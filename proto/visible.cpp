@@ -48,7 +48,9 @@ std::string visible(std::string_view text, std::string_view kept) {
 }
 
 std::string joined(const std::vector<std::string>& words, const std::string& separator) {
-  return fmt::format("{}", fmt::join(words, separator));
+  std::string all;
+  for (std::size_t k = 0; k < words.size(); ++k) all += (k > 0 ? separator : "") + words[k];
+  return all;
 }
 
 }  // namespace strake

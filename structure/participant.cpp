@@ -1,6 +1,7 @@
 #include "structure/participant.hpp"
 
 #include "proto/peak_memory.hpp"
+#include "proto/visible.hpp"
 #include "structure/body/surface.hpp"
 
 #include <fmt/format.h>
@@ -8,7 +9,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace strake::structure {
 namespace {
@@ -56,7 +59,7 @@ std::string unmeasured(const Solver& solver, const std::string& kind, const Comm
   for (const ProbeKeys& probe : common.probes)
     if (probe.of == "structure" && !can_measure(solver, probe)) names.push_back(probe.name);
   if (names.empty()) return {};
-  return fmt::format("left out: output.probe {}: {} structures have no stress", fmt::join(names, ", "), kind);
+  return fmt::format("left out: output.probe {}: {} structures have no stress", joined(names), kind);
 }
 
 std::string unit_of(const ProbeKeys& probe) {
@@ -142,10 +145,11 @@ std::string properties_line(const std::string& kind, const Properties& p) {
   if (p.mass == 0) return {};
   constexpr double nothing = 1e-12;  // [m] of a body of metres: round-off of its symmetry
   const Eigen::Vector3d centre = p.centre.unaryExpr([](double x) { return std::abs(x) < nothing ? 0.0 : x; });
-  const std::string frequencies = fmt::format("{:.5g}", fmt::join(p.frequencies, ", "));
+  std::vector<std::string> frequencies;
+  for (const double f : p.frequencies) frequencies.push_back(fmt::format("{:.5g}", f));
   return fmt::format("{:<10} {:>12.6g}   ({:.5g}, {:.5g}, {:.5g}) {:>14.6g}   {:<28} {}\n", kind, p.mass,
-                     centre.x(), centre.y(), centre.z(), p.inertia, frequencies.empty() ? "-" : frequencies,
-                     p.step);
+                     centre.x(), centre.y(), centre.z(), p.inertia,
+                     frequencies.empty() ? "-" : joined(frequencies), p.step);
 }
 
 StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const Parameters& p,

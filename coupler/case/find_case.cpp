@@ -3,6 +3,7 @@
 #include "coupler/participant/launch.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ Error no_such_case(const std::string& name, const fs::path& folder) {
   if (!near.empty())
     fix = fmt::format("did you mean {}?", near);
   else if (!known.empty())
-    fix = fmt::format("name a case file, or one of {}", fmt::join(known, ", "));
+    fix = fmt::format("name a case file, or one of {}", joined(known));
   return {ExitCode::case_file, name,
           fmt::format("no file {}.toml here{}", name,
                       folder.empty() ? "" : fmt::format(", and no case of that name in {}", folder.string())),

@@ -4,6 +4,7 @@
 #include "coupler/participant/launch.hpp"
 #include "coupler/precice/config/precice_config.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -69,7 +70,7 @@ void check_precice_names(const std::string& side, const ForeignKeys& keys) {
     const std::string nearest = did_you_mean(name, known);
     throw Error(ExitCode::case_file, fmt::format("{}.precice: \"{}\"", side, rule),
                 fmt::format("{} is no data of {}", name, config.file.string()),
-                nearest.empty() ? fmt::format("it has {}", fmt::join(known, ", "))
+                nearest.empty() ? fmt::format("it has {}", joined(known))
                                 : fmt::format("did you mean \"{}\"?", nearest));
   }
 }

@@ -21,8 +21,7 @@ const NewKind& kind_named(const std::string& name) {
     if (kind.name == name) return kind;
   std::vector<std::string> names;
   for (const NewKind& kind : new_kinds()) names.push_back(kind.name);
-  throw Error(ExitCode::command_line, "strake new",
-              fmt::format("expected a kind of case: {}", fmt::join(names, ", ")),
+  throw Error(ExitCode::command_line, "strake new", fmt::format("expected a kind of case: {}", joined(names)),
               "strake new plate; strake new --help says what they are");
 }
 

@@ -2,6 +2,7 @@
 #include "coupler/plot/html.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +35,7 @@ std::string verdict_sentence(const std::vector<Recorded>& runs) {
 std::string page_of_runs(const std::vector<Recorded>& runs, const std::vector<double>& at) {
   std::set<std::string> titles;
   for (const Recorded& run : runs) titles.insert(run.title.empty() ? run.name : run.title);
-  std::string title = fmt::format("{}", fmt::join(titles, ", "));
+  std::string title = joined(std::vector<std::string>(titles.begin(), titles.end()));
   if (runs.size() > 1) title += fmt::format(": {} runs", runs.size());
   const std::string lead = "<p>" + report::escape(verdict_sentence(runs)) + "</p>\n";
   return report::page(title, lead,

@@ -113,7 +113,7 @@ class Run {
     const RunHeader header =
         header_of(case_, *session_, plan_, folder_.path, files_->table().columns, resume);
     for (const auto& [name, lines] : header.blocks)
-      for (const std::string& line : lines) messages_.log->info("{}: {}", name, line);
+      for (const std::string& line : lines) messages_.log->info(fmt::format("{}: {}", name, line));
     for (const std::string& warning : header.warnings) messages_.log->warn(warning);
     messages_.reporter.start(header);
   }
@@ -202,12 +202,14 @@ class Run {
       for (const auto* monitor : {&window.report.fluid, &window.report.structure})
         for (const std::string& line : alarms.look(*monitor)) messages_.alarm(line);
       if (window.taken_back > 0)
-        messages_.log->warn("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s",
-                            window.number, window.time, window.why, window.taken_back,
-                            window.taken_back == 1 ? "" : "s", window.report.window.dt);
+        messages_.log->warn(
+            fmt::format("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s",
+                        window.number, window.time, window.why, window.taken_back,
+                        window.taken_back == 1 ? "" : "s", window.report.window.dt));
       if (!window.report.converged)
-        messages_.log->warn("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
-                            window.number, window.time, window.report.residual, window.report.threshold);
+        messages_.log->warn(
+            fmt::format("window {} (t = {:.6g} s): accepted unconverged, residual {:.2e}, wanted {:.2e}",
+                        window.number, window.time, window.report.residual, window.report.threshold));
       tell_verdicts();
       const int every = case_.coupling.checkpoint_windows;
       const bool due = every > 0 && window.number % every == 0;
@@ -291,7 +293,7 @@ class Run {
     record_.set("contact", contact_times(summary_));
     if (code == ExitCode::done) record_.ended(code);
     record_.write();
-    if (messages_.log) messages_.log->info("exit code {}", static_cast<int>(code));
+    if (messages_.log) messages_.log->info(fmt::format("exit code {}", static_cast<int>(code)));
 
     clocks_.close();
     if (started_) messages_.reporter.end(end_of(code, summary_, folder_.path, clocks_.profile()));
@@ -337,7 +339,8 @@ class Run {
     record_.set("participants", programs_);
     record_.keep_private();
     record_.write();
-    messages_.log->info("waiting for {}, to be started by hand; its command line is in run.json", side);
+    messages_.log->info(
+        fmt::format("waiting for {}, to be started by hand; its command line is in run.json", side));
     messages_.reporter.warning(fmt::format("start {} by hand, here or elsewhere:\n    {}", side, command));
   }
 

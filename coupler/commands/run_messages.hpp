@@ -9,6 +9,7 @@
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
@@ -38,7 +39,7 @@ struct RunMessages {
     reporter.warning(line);
   }
   void alarm(const std::string& line) const {
-    if (log) log->error("alarm: {}", line);
+    if (log) log->error(fmt::format("alarm: {}", line));
     reporter.alarm(line);
   }
   void wait(const Awaited& whom, double elapsed) {

@@ -1,6 +1,7 @@
 #include "coupler/editor/command_line.hpp"
 #include "coupler/editor/completion_script.hpp"
 #include "proto/version.hpp"
+#include "proto/visible.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ std::string quoted(const std::string& text) {
 }
 
 std::string words(const std::vector<std::string>& list) {
-  return fmt::format("{}", fmt::join(list, " "));
+  return joined(list, " ");
 }
 
 /// What the script completes a value by: words, or ":case", ":run", … for a kind of file.

@@ -18,7 +18,7 @@ std::string shortest(double x) {
 std::string list_of(const std::vector<std::string>& texts) {
   std::vector<std::string> quoted;
   for (const std::string& text : texts) quoted.push_back('"' + text + '"');
-  return fmt::format("[{}]", fmt::join(quoted, ", "));
+  return fmt::format("[{}]", joined(quoted));
 }
 
 void add_head(const ImportedRun& run, CaseLines& lines) {

@@ -1,7 +1,7 @@
 #include "coupler/import/import_parts.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -105,8 +105,8 @@ void check_meshes(const XmlElement& element, const ImportedRun& run) {
   if (!(provides(run.fluid, begin) && provides(run.structure, end)) &&
       !(provides(run.structure, begin) && provides(run.fluid, end)))
     element.refuse(fmt::format("goes from {} to {}", begin, end),
-                   fmt::format("between {} and {}, the meshes of both participants",
-                               fmt::join(run.fluid.meshes, ", "), fmt::join(run.structure.meshes, ", ")));
+                   fmt::format("between {} and {}, the meshes of both participants", joined(run.fluid.meshes),
+                               joined(run.structure.meshes)));
 }
 
 /// All that is sent needs a mapping from the mesh where it is written to that where it is read.

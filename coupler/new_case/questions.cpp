@@ -93,7 +93,7 @@ void add_new_options(CLI::App& command, NewOptions& options) {
     if (kind.solvers.size() > 1)
       one->add_option("--solver", options.answers.solver, "of the body, default " + kind.solvers.front())
           ->check(CLI::IsMember(kind.solvers))
-          ->type_name(fmt::format("{}", fmt::join(kind.solvers, "|")));
+          ->type_name(joined(kind.solvers, "|"));
     for (const NewNumber& number : kind.numbers)
       one->add_option_function<double>(
              "--" + number.name,

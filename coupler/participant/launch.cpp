@@ -3,6 +3,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "proto/descriptor.hpp"
 #include "proto/error.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -210,7 +211,7 @@ std::string random_token() {
   if (sodium_init() < 0) throw Error(ExitCode::our_bug, "libsodium", "cannot be initialised");
   std::array<unsigned char, 16> bits{};
   randombytes_buf(bits.data(), bits.size());
-  return fmt::format("{:02x}", fmt::join(bits, ""));
+  return hexadecimal(bits);
 }
 
 std::string bytes_of(const std::string& hexadecimal) {

@@ -135,7 +135,7 @@ bool started_by_coupler() {
 }
 
 void Watch::give_up(ExitCode code, const std::string& problem, const std::string& fix) const {
-  spdlog::error("{}", to_text(Error(code, endpoint_, problem, fix)));
+  spdlog::error(to_text(Error(code, endpoint_, problem, fix)));
   remove_unfinished_file();
   _exit(static_cast<int>(code));
 }

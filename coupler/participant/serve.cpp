@@ -91,7 +91,7 @@ wire::Reply Server::reply(const Setup& setup) {
   participant_ = factory_(setup);
   take_signals();
   const Description& description = participant_->description();
-  for (const std::string& text : description.lines) spdlog::info("{}", text);
+  for (const std::string& text : description.lines) spdlog::info(text);
   return {0, wire::Ready{participant_->mesh(), description}};
 }
 
@@ -139,7 +139,7 @@ bool Server::answer(wire::Request request) {
 int Server::run() {
   serving = this;
   const auto fault = [this](const Error& e) {
-    spdlog::error("{}", to_text(e));
+    spdlog::error(to_text(e));
     if (!refused_) conversation_.answer({0, wire::Fault{e.where(), e.problem(), e.fix(), e.code()}});
     return static_cast<int>(e.code());
   };
@@ -167,12 +167,12 @@ int serve(const ServeOptions& options, const ParticipantFactory& factory) {
   prepare_last_moments(options.name, options.endpoint);
   tune_malloc();
   spdlog::flush_on(spdlog::level::info);
-  spdlog::info("{} {} as {}, process {}, coupler at {}", options.solver, options.version, options.name,
-               getpid(), options.endpoint);
+  spdlog::info(fmt::format("{} {} as {}, process {}, coupler at {}", options.solver, options.version,
+                           options.name, getpid(), options.endpoint));
   try {
     return Server(options, factory).run();
   } catch (const Error& e) {  // before the coupler could receive it
-    spdlog::error("{}", to_text(e));
+    spdlog::error(to_text(e));
     return static_cast<int>(e.code());
   }
 }

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 
 namespace strake::picture {
 namespace {
@@ -13,8 +12,7 @@ using report::escape;
 
 std::string points_of(const std::vector<Place>& points, bool closed) {
   std::string d;
-  for (const Place& p : points)
-    fmt::format_to(std::back_inserter(d), "{}{:.1f} {:.1f}", d.empty() ? "M" : "L", p.x, p.y);
+  for (const Place& p : points) d += fmt::format("{}{:.1f} {:.1f}", d.empty() ? "M" : "L", p.x, p.y);
   return d + (closed ? "Z" : "");
 }
 

@@ -2,6 +2,7 @@
 
 #include "coupler/precice/guarded_call.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 #include <precice/Participant.hpp>
@@ -131,7 +132,7 @@ namespace {
 
 std::string near(const std::string& name, const std::vector<std::string>& known) {
   const std::string nearest = did_you_mean(name, known);
-  return nearest.empty() ? fmt::format("it has {}", fmt::join(known, ", "))
+  return nearest.empty() ? fmt::format("it has {}", joined(known))
                          : fmt::format("did you mean \"{}\"?", nearest);
 }
 

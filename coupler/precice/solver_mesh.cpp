@@ -1,9 +1,9 @@
 #include "coupler/precice/solver_mesh.hpp"
 
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -14,11 +14,13 @@ int SolverMesh::add_vertex(std::span<const double> position) {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < position.size() && i < 3; ++i)
     point[static_cast<Eigen::Index>(i)] = position[i];
-  if (!point.allFinite())
-    throw Error(
-        ExitCode::solver_fault, name_,
-        fmt::format("vertex {} has a coordinate that is not finite: {}", size(), fmt::join(position, ", ")),
-        "");
+  if (!point.allFinite()) {
+    std::vector<std::string> numbers;
+    for (const double x : position) numbers.push_back(fmt::format("{}", x));
+    throw Error(ExitCode::solver_fault, name_,
+                fmt::format("vertex {} has a coordinate that is not finite: {}", size(), joined(numbers)),
+                "");
+  }
   points_.push_back(point);
   return size() - 1;
 }

@@ -2,9 +2,9 @@
 
 #include "coupler/participant/launch.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <precice/Version.h>
 
 #include <algorithm>
@@ -127,7 +127,7 @@ SolverRun::~SolverRun() {
 SolverMesh& SolverRun::mesh(const std::string& name) {
   for (SolverMesh& one : meshes_)
     if (one.name() == name) return one;
-  const std::string own = fmt::format("\"{}\"", fmt::join(me_->provided, "\", \""));
+  const std::string own = fmt::format("\"{}\"", joined(me_->provided, "\", \""));
   const auto& received = me_->received;
   if (std::find(received.begin(), received.end(), name) != received.end())
     throw Error(ExitCode::solver_fault, fmt::format("mesh \"{}\"", name), "is the partner's",

@@ -1,6 +1,7 @@
 #include "coupler/processes/log_tail.hpp"
 
-#include <fmt/chrono.h>
+#include "proto/text.hpp"
+
 #include <fmt/format.h>
 
 #include <cctype>
@@ -29,8 +30,10 @@ bool says_nothing(const std::string& line) {
 void note_resume(const std::filesystem::path& log, long window) {
   const auto now = std::chrono::system_clock::now();
   const auto part = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()) % 1000;
-  std::ofstream(log, std::ios::app) << fmt::format("[{:%Y-%m-%d %H:%M:%S}.{:03}{}{}\n",
-                                                   fmt::localtime(std::chrono::system_clock::to_time_t(now)),
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  std::tm local{};
+  localtime_r(&seconds, &local);
+  std::ofstream(log, std::ios::app) << fmt::format("[{}.{:03}{}{}\n", time_text("%Y-%m-%d %H:%M:%S", local),
                                                    part.count(), resumed, window);
 }
 

@@ -2,6 +2,7 @@
 
 #include "coupler/participant/launch.hpp"
 #include "coupler/processes/participants_state.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -67,7 +68,7 @@ void Participants::attach(const std::string& name) {
 std::vector<std::string> Participants::State::arguments(const std::string& endpoint, const std::string& name,
                                                         const Launch& launch) const {
   if (launch.own_command_line) return launch.arguments;
-  const std::string hash = fmt::format("{:02x}", fmt::join(options.case_hash, ""));
+  const std::string hash = hexadecimal(options.case_hash);
   std::vector<std::string> all{"--connect", endpoint, "--name", name, "--case-hash", hash};
   all.insert(all.end(), launch.arguments.begin(), launch.arguments.end());
   return all;
@@ -77,7 +78,7 @@ std::map<std::string, std::string> Participants::State::connection(const std::st
                                                                    const std::string& name) const {
   return {{"STRAKE_CONNECT", endpoint},
           {"STRAKE_NAME", name},
-          {"STRAKE_CASE_HASH", fmt::format("{:02x}", fmt::join(options.case_hash, ""))}};
+          {"STRAKE_CASE_HASH", hexadecimal(options.case_hash)}};
 }
 
 std::string Participants::command(const std::string& name, const Launch& launch) const {

@@ -4,6 +4,7 @@
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
 #include "proto/lookup.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -341,7 +342,7 @@ std::string resolution(const std::vector<Recorded>& runs) {
         list += "<li>" + escape(runs.size() > 1 ? run.name + ": " + line : line) + "</li>\n";
   }
   if (spacings.empty()) return {};
-  const std::string all = fmt::format("{}", fmt::join(spacings, ", "));
+  const std::string all = joined(std::vector<std::string>(spacings.begin(), spacings.end()));
   list += "<li>" +
           escape(spacings.size() == 1 ? "not checked against a second spacing (all runs have " + all + " m)"
                                       : "the runs have the spacings " + all + " m: compare them") +

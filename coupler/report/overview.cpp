@@ -3,6 +3,7 @@
 #include "coupler/plot/html.hpp"
 #include "coupler/report/sections.hpp"
 #include "coupler/report/sketch.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +35,7 @@ std::string solvers(const Recorded& run) {
 std::string threads_cell(const Origin& origin) {
   const std::string shown = quantity(origin.threads, "1");
   if (origin.ranks.empty()) return number_cell(origin.threads, shown);
-  return number_cell(origin.threads, fmt::format("{} ({})", shown, fmt::join(origin.ranks, ", ")));
+  return number_cell(origin.threads, fmt::format("{} ({})", shown, joined(origin.ranks)));
 }
 
 /// The word after an option in a command line of the case's first lines.

@@ -2,6 +2,7 @@
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/text.hpp"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -40,7 +41,7 @@ Sum sum_of(const fs::path& path) {
   if (in.bad()) return sum;
   std::array<unsigned char, crypto_generichash_BYTES> bytes{};
   crypto_generichash_final(&state, bytes.data(), bytes.size());
-  sum.digest = fmt::format("{:02x}", fmt::join(bytes, ""));
+  sum.digest = hexadecimal(bytes);
   return sum;
 }
 

@@ -3,10 +3,10 @@
 #include "coupler/transport/system_calls.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/text.hpp"
 #include "proto/version.hpp"
 #include "proto/visible.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -218,7 +218,10 @@ std::string compiler() {
 }
 
 std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  return time_text("%Y-%m-%dT%H:%M:%SZ", utc);
 }
 
 }  // namespace strake

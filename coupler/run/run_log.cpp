@@ -51,7 +51,7 @@ void ConsoleLoss::look(spdlog::logger& log, const std::filesystem::path& path) {
   if (told_ || failure == 0) return;
   told_ = true;
   const std::string why = std::generic_category().message(failure);
-  log.warn("the console cannot be written ({}); the run goes on without it", why);
+  log.warn(fmt::format("the console cannot be written ({}); the run goes on without it", why));
   if (failure != EPIPE)  // a user who closed a pipe knows of it
     put(stderr, visible(fmt::format("strake: the console cannot be written ({}); the run goes on, see {}\n",
                                     why, path.string())));

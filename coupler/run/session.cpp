@@ -13,6 +13,7 @@
 #include "proto/error.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -178,8 +179,7 @@ void Session::launch(const SideView& side) {
   if (!own.folder.empty()) launch.program = std::filesystem::absolute(launch.program);
   if (const std::string path = library_path(); own.own_command_line && !path.empty())
     launch.environment["LD_LIBRARY_PATH"] = path;
-  if (!own.precice_names.empty())
-    launch.environment["STRAKE_PRECICE_NAMES"] = fmt::format("{}", fmt::join(own.precice_names, ";"));
+  if (!own.precice_names.empty()) launch.environment["STRAKE_PRECICE_NAMES"] = joined(own.precice_names, ";");
   start(side.side, std::move(launch), started_here);
 }
 
@@ -352,8 +352,7 @@ std::string Session::cannot_resume() const {
     if (bodies_[k]->description().cannot_resume) names.push_back(case_.structures[k].side);
   for (const std::string& name : attachments_->cannot_resume()) names.push_back(name);
   if (names.empty()) return {};
-  return fmt::format("{} cannot save {} state", fmt::join(names, " and "),
-                     names.size() > 1 ? "their" : "its");
+  return fmt::format("{} cannot save {} state", joined(names, " and "), names.size() > 1 ? "their" : "its");
 }
 
 std::vector<std::string> Session::warnings() const {

@@ -7,6 +7,7 @@
 #include "coupler/participant/stop_request.hpp"
 #include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 /// What a run depends on: the case's bytes, its keys, the files it names, the run it replays.
 std::string fingerprint(const Plan& plan, const PlannedRun& run) {
-  return fmt::format("{}:{:02x}", run.source, fmt::join(case_hash(plan.case_file, run.sets), ""));
+  return run.source + ":" + hexadecimal(case_hash(plan.case_file, run.sets));
 }
 
 /// The error in a run's log, without its verdicts and warnings.

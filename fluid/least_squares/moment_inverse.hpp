@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fluid/least_squares/constants.hpp"
+#include "fluid/mps/operators.hpp"
 #include "fluid/particles/state.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,6 @@
 // Several bodies in one water: [[structures]], each with a name and the keys of [structure].
 #include "proto/case/case_document.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -66,7 +67,7 @@ void CaseFile::Document::choose_body(const std::string& name_of_body) {
   if (found == bodies.end())
     throw Error(ExitCode::command_line, "--body " + name_of_body,
                 bodies.empty() ? std::string("the case has no [[structures]]")
-                               : fmt::format("the case has the bodies {}", fmt::join(bodies, ", ")));
+                               : fmt::format("the case has the bodies {}", joined(bodies)));
   const auto index = static_cast<std::size_t>(found - bodies.begin());
   body = *found;
   toml::table* element = root["structures"].as_array()->get(index)->as_table();
@@ -102,8 +103,7 @@ void CaseFile::Document::find_named(std::vector<PathStep>& steps, const std::str
   const std::string instead = is_body ? "structure." + steps[1].key : "write it into the case file";
   throw Error(ExitCode::case_file, where,
               names.empty() ? fmt::format("the case has no [[{}]]", list)
-                            : fmt::format("the case has the {} {}", is_body ? "bodies" : list,
-                                          fmt::join(names, ", ")),
+                            : fmt::format("the case has the {} {}", is_body ? "bodies" : list, joined(names)),
               names.empty() ? instead : list + "." + names.front() + ".…");
 }
 

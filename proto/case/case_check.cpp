@@ -1,5 +1,6 @@
 // Reports keys that no program declared.
 #include "proto/case/case_document.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -93,7 +94,7 @@ std::string advice(const Document& document, const std::string& path) {
     return fmt::format("did you mean {}?{}", elsewhere.front(),
                        explain(parent_and_name(elsewhere.front()).first));
   if (document.explained) return command(parent) + " lists the keys";
-  return fmt::format("its keys are {}", fmt::join(siblings, ", "));
+  return fmt::format("its keys are {}", joined(siblings));
 }
 
 }  // namespace

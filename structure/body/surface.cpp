@@ -1,5 +1,6 @@
 #include "structure/body/surface.hpp"
 
+#include "proto/visible.hpp"
 #include "structure/body/solid_surface.hpp"
 
 #include <Eigen/Geometry>
@@ -195,7 +196,7 @@ LoadedFaces loaded_faces(const Parameters& p, const InterfaceMesh& mesh) {
     if (whole[i] > 0) loaded.share[i] = std::min(1.0, loaded.share[i] / whole[i]);
   loaded.line =
       fmt::format("wet: {}, {:.5g} {} of {:.5g} {}; water that presses elsewhere is kept out and not felt",
-                  fmt::join(p.loaded_faces, ", "), loaded.size, unit, loaded.whole, unit);
+                  joined(p.loaded_faces), loaded.size, unit, loaded.whole, unit);
   return loaded;
 }
 

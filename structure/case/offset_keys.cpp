@@ -3,7 +3,6 @@
 #include "structure/case/keys.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -103,7 +102,7 @@ std::vector<Eigen::Vector2d> read_offsets(const CaseFile& file, CaseTable t) {
     for (const double at : known)
       if (some.size() < shown) some.push_back(fmt::format("{:.6g}", at));
     if (known.size() > shown) some.emplace_back("...");
-    throw t.error("station", fmt::format("a station of {}: {} m", offsets.file, fmt::join(some, ", ")),
+    throw t.error("station", fmt::format("a station of {}: {} m", offsets.file, joined(some)),
                   known.empty() ? "add rows to the table" : fmt::format("station = {}", some.front()));
   }
   if (half.size() < 3)

@@ -1,4 +1,5 @@
 #include "proto/files/motion_file.hpp"
+#include "proto/visible.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/keys.hpp"
@@ -372,7 +373,7 @@ void read_loaded_faces(CaseTable t, bool only_declares, Parameters& p) {
     if (!facets_named(solid, name).empty()) continue;
     const std::string near = did_you_mean(name, known);
     refuse(fmt::format("faces at the body's boundary, and \"{}\" is none: {}, or PART.SIDE", name,
-                       fmt::join(known, ", ")),
+                       joined(known)),
            near.empty() ? key + " = [\"bottom\"]" : fmt::format("did you mean \"{}\"?", near));
   }
 }

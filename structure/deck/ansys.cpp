@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <iterator>
 
 namespace strake::structure::deck {
 namespace {
 
-using Buffer = fmt::memory_buffer;
+using Buffer = std::string;
 constexpr std::array<char, 3> axis_letter = {'X', 'Y', 'Z'};
 
 template <class... Values>
 void put(Buffer& out, fmt::format_string<Values...> text, Values&&... values) {
-  fmt::format_to(std::back_inserter(out), text, std::forward<Values>(values)...);
+  out += fmt::format(text, std::forward<Values>(values)...);
 }
 
 /// Writes the element types of the body. All integrate fully. In two dimensions type 1 is plane strain and
@@ -163,7 +162,7 @@ std::string ansys(const Model& m, const std::optional<LoadHistory>& history, con
   }
   put(out, "FINISH\n");
   if (history) put_probes(out, m);
-  return fmt::to_string(out);
+  return out;
 }
 
 }  // namespace strake::structure::deck

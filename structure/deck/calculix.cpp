@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
 namespace strake::structure::deck {
 namespace {
 
-using Buffer = fmt::memory_buffer;
+using Buffer = std::string;
 constexpr std::array<char, 3> axis_letter = {'X', 'Y', 'Z'};
 constexpr int n_modes = 9;  // three beside the six rigid motions of a free body
 
 template <class... Values>
 void put(Buffer& out, fmt::format_string<Values...> text, Values&&... values) {
-  fmt::format_to(std::back_inserter(out), text, std::forward<Values>(values)...);
+  out += fmt::format(text, std::forward<Values>(values)...);
 }
 
 /// Plane elements become solids inside CalculiX, whatever their thickness; C3D8I has incompatible modes.
@@ -196,7 +195,7 @@ std::string calculix_window(const Model& m, const Wanted& wanted, const WindowLo
   else
     put(out, "*RESTART, READ, STEP={}\n", load.windows_before);
   put_window(out, m, load, nullptr, "*RESTART, WRITE, FREQUENCY=1\n", true);
-  return fmt::to_string(out);
+  return out;
 }
 
 std::string calculix_windows(const Model& m, const Wanted& wanted, const std::vector<WindowLoad>& loads) {
@@ -206,7 +205,7 @@ std::string calculix_windows(const Model& m, const Wanted& wanted, const std::ve
   const auto every = static_cast<std::size_t>(wanted.field_every);
   for (std::size_t w = 0; w < loads.size(); ++w)
     put_window(out, m, loads[w], w == 0 ? nullptr : &loads[w - 1], "", (w + 1) % every == 0);
-  return fmt::to_string(out);
+  return out;
 }
 
 std::string calculix(const Model& m, const std::optional<LoadHistory>& history, const Story& story,
@@ -239,7 +238,7 @@ std::string calculix(const Model& m, const std::optional<LoadHistory>& history, 
       put_output(out, m, true);
     put(out, "*END STEP\n");
   }
-  return fmt::to_string(out);
+  return out;
 }
 
 }  // namespace strake::structure::deck

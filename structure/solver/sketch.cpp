@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 
 namespace strake::structure {
 namespace {
@@ -59,8 +58,7 @@ class Svg {
  public:
   template <class... Value>
   void add(fmt::format_string<Value...> form, Value&&... value) {
-    fmt::format_to(std::back_inserter(text_), form, std::forward<Value>(value)...);
-    text_ += '\n';
+    text_ += fmt::format(form, std::forward<Value>(value)...) + '\n';
   }
   std::string text() && { return std::move(text_); }
 

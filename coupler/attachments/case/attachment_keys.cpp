@@ -2,6 +2,7 @@
 
 #include "proto/case/case_file.hpp"
 #include "proto/case/case_keys.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -47,7 +48,7 @@ void read_body(CaseTable& table, AttachmentKeys& keys, const CommonKeys& common)
     throw table.error("body", "no such key: the case has one [structure]", "leave it out");
   if (bodies.empty()) return;
   if (std::find(bodies.begin(), bodies.end(), keys.body) == bodies.end())
-    throw table.error("body", fmt::format("one of the bodies {}", fmt::join(bodies, ", ")),
+    throw table.error("body", fmt::format("one of the bodies {}", joined(bodies)),
                       "body = \"" + bodies.front() + "\"");
 }
 

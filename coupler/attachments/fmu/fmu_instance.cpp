@@ -140,8 +140,8 @@ void FmuInstance::check(fmi3Status status, const char* function, OnDiscard on_di
   if (status == fmi3OK) return;
   if (status == fmi3Warning) {
     if (warned_.insert(function).second)
-      spdlog::warn("{}, t = {:.9g} s: the FMU warns in {}, said once{}", name_, time_, function,
-                   log_.lines());
+      spdlog::warn(fmt::format("{}, t = {:.9g} s: the FMU warns in {}, said once{}", name_, time_, function,
+                               log_.lines()));
     return;
   }
   if (status == fmi3Discard && on_discard == OnDiscard::retry && in_step_mode_)

@@ -1,6 +1,7 @@
 #include "coupler/participant/case/declared_case.hpp"
 
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -25,7 +26,7 @@ CaseFile load_case(const ParticipantOptions& options, const Program& program) {
   if (!options.body.empty()) return file.of_body(options.body);
   if (program.prefix == "structure" && !file.bodies().empty())
     throw Error(ExitCode::command_line, "--body",
-                fmt::format("is missing: the case has the bodies {}", fmt::join(file.bodies(), ", ")),
+                fmt::format("is missing: the case has the bodies {}", joined(file.bodies())),
                 "--body " + file.bodies().front());
   return file;
 }

@@ -4,9 +4,9 @@
 #include "coupler/participant/precice/solver_loop.hpp"
 #include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
@@ -28,8 +28,7 @@ namespace {
 QuantityNames names_of(const CommonKeys& keys, const std::string& side) {
   const std::vector<std::string>& rules = keys.program_of(side).precice_names;
   const char* given = std::getenv("STRAKE_PRECICE_NAMES");
-  return QuantityNames(rules.empty() ? std::string(given ? given : "")
-                                     : fmt::format("{}", fmt::join(rules, ";")));
+  return QuantityNames(rules.empty() ? std::string(given ? given : "") : joined(rules, ";"));
 }
 
 /// The command line of this process, word by word.
@@ -68,8 +67,9 @@ class PreciceRun {
         library_(std::move(library)) {}
 
   int run(CaseFile& file) {
-    spdlog::info("{} {} as preCICE participant \"{}\", process {}, library {} ({})", program_.solver,
-                 program_.version, part_.participant, getpid(), library_.file.string(), library_.version);
+    spdlog::info(fmt::format("{} {} as preCICE participant \"{}\", process {}, library {} ({})",
+                             program_.solver, program_.version, part_.participant, getpid(),
+                             library_.file.string(), library_.version));
     // First, so that a coupler need not wait for the solver to be built.
     library_.create(part_.participant.c_str(), options_.precice.config.c_str(), 0, 1);
     try {
@@ -103,7 +103,7 @@ class PreciceRun {
   void couple(CaseFile& file) {
     if (!options_.deck.folder.empty()) make_results_folder(options_.deck.folder);
     const std::unique_ptr<Participant> solver = program_.build(file, options_, setup());
-    for (const std::string& line : solver->description().lines) spdlog::info("{}", line);
+    for (const std::string& line : solver->description().lines) spdlog::info(line);
     part_.check_dimension(solver->mesh().dimension, options_.precice.config);
     OwnResults results(options_.deck.folder, keys_.output_every, solver->description());
     SolverLoop loop(library_, part_, *solver, results, program_.prefix);
@@ -111,12 +111,13 @@ class PreciceRun {
     library_.finalize();
     const WindowTimes& times = loop.times();
     if (std::abs(times.length() - keys_.window) > 1e-6 * keys_.window)
-      spdlog::info("the windows of the preCICE run were {:.6g} s; {:.6g} s of the case were not used",
-                   times.length(), keys_.window);
-    spdlog::info("the preCICE run has ended: {} windows, {} iterations, t = {:.9g} s{}", times.windows(),
-                 loop.iterations(), times.time(),
-                 options_.deck.folder.empty() ? "; no results were written (--into DIR)"
-                                              : "; results in " + options_.deck.folder.string());
+      spdlog::info(
+          fmt::format("the windows of the preCICE run were {:.6g} s; {:.6g} s of the case were not used",
+                      times.length(), keys_.window));
+    spdlog::info(fmt::format("the preCICE run has ended: {} windows, {} iterations, t = {:.9g} s{}",
+                             times.windows(), loop.iterations(), times.time(),
+                             options_.deck.folder.empty() ? "; no results were written (--into DIR)"
+                                                          : "; results in " + options_.deck.folder.string()));
   }
 
   /// Ends the process before the run's end. Strake's library is told why; that of preCICE may wait for the
@@ -149,7 +150,7 @@ int run_in_precice(const ParticipantOptions& options, const Program& program) {
     std::vector<std::string> names;
     for (const auto& participant : config.participants) names.push_back(participant.name);
     throw Error(ExitCode::command_line, "--participant", "is missing",
-                fmt::format("the participants of {}: {}", wanted.config, fmt::join(names, ", ")));
+                fmt::format("the participants of {}: {}", wanted.config, joined(names)));
   }
   require_option(!options.case_file.empty(), "--case");
   CaseFile common = load_case(options, program);

@@ -108,8 +108,9 @@ void share_processors(const MpiCommunicator& ranks, const RankedProgram& ranked)
   const auto [here, processors] = shared_machine(ranks.all_ranks());
   const int threads = ranked.share_processors(here, processors);
   if (ranks.rank() == 0)
-    spdlog::info("{} of {} ranks on this machine, {} thread{} each, {} processor{}", here, ranks.size(),
-                 threads, threads == 1 ? "" : "s", processors, processors == 1 ? "" : "s");
+    spdlog::info(fmt::format("{} of {} ranks on this machine, {} thread{} each, {} processor{}", here,
+                             ranks.size(), threads, threads == 1 ? "" : "s", processors,
+                             processors == 1 ? "" : "s"));
 }
 
 int run(MpiCommunicator& ranks, int argc, char** argv, const RankedProgram& ranked,

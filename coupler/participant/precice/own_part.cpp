@@ -1,9 +1,9 @@
 #include "coupler/participant/precice/own_part.hpp"
 
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -20,7 +20,7 @@ const PreciceConfig::Participant& participant_of(const PreciceConfig& config, co
   for (const auto& participant : config.participants) names.push_back(participant.name);
   refuse(config, fmt::format("has no participant \"{}\"", name),
          names.empty() ? "it has none: <participant name=\"…\">"
-                       : fmt::format("--participant, one of: {}", fmt::join(names, ", ")));
+                       : fmt::format("--participant, one of: {}", joined(names)));
 }
 
 OwnPart::Data data_of(const PreciceConfig& config, const PreciceConfig::MeshData& id, const OwnPart& part,
@@ -82,7 +82,7 @@ void OwnPart::check_data(const std::string& side, const std::string& config) con
         throw Error(ExitCode::case_file, config,
                     fmt::format("participant \"{0}\" {1}s data \"{2}\", which stands for {3}\n"
                                 "a {4} of Strake {1}s {5}",
-                                participant, verb, data.name, data.quantity, side, fmt::join(able, ", ")),
+                                participant, verb, data.name, data.quantity, side, joined(able)),
                     fmt::format("where it means the same, say so in the case: {}.precice_names = [\"{}={}\"]",
                                 side, data.name, able.front()));
   };

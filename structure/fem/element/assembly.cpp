@@ -3,10 +3,11 @@
 #include "structure/fem/element/cell_step.hpp"
 #include "structure/fem/element/cell_sums.hpp"
 
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
-
+#include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 namespace strake::structure::fem {
 
@@ -24,18 +25,25 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
   if constexpr (dim == 3)
     if (strain == StrainField::solid_shell) thin_ = thin_axes(mesh);
   // Nodes that share a cell, and between them a block of components.
-  const Eigen::Matrix<unsigned int, Eigen::Dynamic, Eigen::Dynamic> cell =
-      mesh.cell.template cast<unsigned int>();
-  dealii::DynamicSparsityPattern neighbours(static_cast<unsigned int>(mesh.n_nodes()));
-  for (const auto& nodes : cell.colwise())
-    for (const unsigned int a : nodes) neighbours.add_entries(a, nodes.data(), nodes.data() + nodes.size());
+  std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));
+  for (const auto& nodes : mesh.cell.colwise())
+    for (const int node : nodes) {
+      std::vector<int>& near = neighbours[static_cast<std::size_t>(node)];
+      near.insert(near.end(), nodes.begin(), nodes.end());
+    }
+  Eigen::Index pairs = 0;
+  for (std::vector<int>& near : neighbours) {
+    std::ranges::sort(near);
+    near.erase(std::ranges::unique(near).begin(), near.end());
+    pairs += std::ssize(near);
+  }
   pattern_.resize(mesh.n_unknowns(), mesh.n_unknowns());
-  pattern_.resizeNonZeros(dim * dim * static_cast<Eigen::Index>(neighbours.n_nonzero_elements()));
+  pattern_.resizeNonZeros(dim * dim * pairs);
   int *row_begin = pattern_.outerIndexPtr(), *column = pattern_.innerIndexPtr();
-  for (unsigned int a = 0; a < neighbours.n_rows(); ++a)
+  for (const std::vector<int>& near : neighbours)
     for (int i = 0; i < dim; ++i) {
-      for (auto b = neighbours.begin(a); b != neighbours.end(a); ++b)
-        for (int j = 0; j < dim; ++j) *column++ = dim * static_cast<int>(b->column()) + j;
+      for (const int node : near)
+        for (int j = 0; j < dim; ++j) *column++ = dim * node + j;
       *++row_begin = static_cast<int>(column - pattern_.innerIndexPtr());
     }
   pattern_.coeffs().setZero();

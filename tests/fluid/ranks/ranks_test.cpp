@@ -41,13 +41,18 @@ State<dim> on_ranks(const Flow<dim>& flow, int count) {
   return end;
 }
 
-/// Expects the same bits, but in the impulse on walls: ranks add it up one by one.
+/// Expects the same bits, but in the impulses on walls and of collisions with walls: ranks add them up one by
+/// one.
 template <int dim>
 void expect_same(State<dim> of_ranks, const State<dim>& one, const std::string& what) {
   EXPECT_LE((of_ranks.impulse_on_walls - one.impulse_on_walls).norm(),
             1e-12 * (one.impulse_on_walls.norm() + one.impulse_of_gravity.norm()))
       << what;
+  EXPECT_LE((of_ranks.impulse_of_collisions - one.impulse_of_collisions).norm(),
+            1e-12 * (one.impulse_on_walls.norm() + one.impulse_of_gravity.norm()))
+      << what;
   of_ranks.impulse_on_walls = one.impulse_on_walls;
+  of_ranks.impulse_of_collisions = one.impulse_of_collisions;
   EXPECT_EQ(differences(of_ranks, one), "") << what;
 }
 
