@@ -2,6 +2,7 @@
 
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -95,7 +96,7 @@ void look_at_tank_start(const CaseView& view, std::vector<std::string>& lines) {
   lines.push_back(fmt::format(
       "fluid.motion is a sine without ramp: tank and water start at {}, 2 pi f times the amplitude; "
       "with fluid.motion.ramp = {:.3g}, one period, they start at rest",
-      fmt::join(speeds, " and "), 1 / frequency));
+      joined(speeds, " and "), 1 / frequency));
 }
 
 /// The lowest height of a box or polygon of the case, "[[x, y, z], [x, y, z]]"; infinity where there is none.

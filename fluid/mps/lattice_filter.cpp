@@ -1,5 +1,7 @@
 #include "fluid/mps/lattice_filter.hpp"
 
+#include "fluid/mps/operators.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
