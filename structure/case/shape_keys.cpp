@@ -256,6 +256,9 @@ void read_shape(const CaseFile& file, CaseTable t, Parameters& p) {
                   "structure.cylinder, or fluid.dimension = 3");
   if (solid && !sphere && (!body || tilted) && p.shape.depth == 0)
     throw t.error("depth", "a length along z: fluid.dimension is 3", "depth = 1.0");
+  if (solid && t.has("depth") && (sphere || (body && !tilted)))
+    throw t.error("depth", "nothing: a box, a mesh and a sphere have their own lengths along z",
+                  "leave it out");
   if (!solid) p.shape.depth = p.shape.middle = 0;
   if (!body) check_outline(t, p, given.empty() ? "plate" : given[0]);
 }

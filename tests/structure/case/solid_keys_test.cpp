@@ -215,6 +215,9 @@ TEST(BodyKeys, WrongMassesAndMotionsAreRefusedWithPlaceAndRemedy) {
   refuses(wedge + "depth = 1\nfree = { angle = true, rotation = true }\n", "one of angle and rotation",
           {"fluid.dimension=3"});
   refuses(wedge + "depth = 1\ninertia_axes = [1, 1, 3]\n", "sum of the other two", {"fluid.dimension=3"});
+  refuses("sphere = { radius = 0.1 }\ndepth = 1\n", "their own lengths along z", {"fluid.dimension=3"});
+  refuses("box = [{ name = \"floor\", min = [0, 0, 0], max = [1, 0.1, 1] }]\ndepth = 1\n",
+          "their own lengths along z", {"fluid.dimension=3"}, "fem");
   refuses(plate + "mass = 3\n", "rigid bodies", {}, "fem");
 }
 
