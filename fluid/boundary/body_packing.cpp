@@ -248,13 +248,17 @@ bool beside_open_side(const Parameters& p, const Boundary<dim>& boundary, const 
 template <int dim>
 void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim>& state) {
   state.surface.assign(state.kind.size(), 1);
-  // `WallContact` keeps faces wet that have water within a spacing, and dries the others.
-  const std::int64_t from =
-      boundary.tank().shape().on_lattice() ? boundary.first_of_bodies() : boundary.water();
-  const std::int64_t to = water_is_packed(p, boundary) ? state.position.cols() : boundary.first_of_bodies();
-  for (std::int64_t i = from; i < to; ++i)
-    if (boundary.master_of(i) < 0) state.surface[static_cast<std::size_t>(i)] = 0;
-  if (!water_is_packed(p, boundary) || p.gravity_ramp > 0) return;
+  // `WallContact` keeps faces wet that have water within a spacing, and dries the others. Packed water stands
+  // a little farther from a wall than a lattice. A face that was dry under water would be met later, in a
+  // blow.
+  const bool packed = water_is_packed(p, boundary), on_lattice = boundary.tank().shape().on_lattice();
+  if (!packed && on_lattice) return;
+  const std::int64_t bodies = boundary.first_of_bodies();
+  for (std::int64_t i = boundary.water(); i < (packed ? state.position.cols() : bodies); ++i) {
+    const bool corner = i < bodies && !(boundary.normal_of(i).squaredNorm() > 0);
+    if (boundary.master_of(i) < 0 && !(corner && on_lattice)) state.surface[static_cast<std::size_t>(i)] = 0;
+  }
+  if (!packed || p.gravity_ramp > 0) return;
   const double slope = -p.density * p.gravity[1];
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     state.pressure[i] = slope * std::max(0.0, p.water.max[1] - state.position(1, i));

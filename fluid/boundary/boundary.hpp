@@ -152,6 +152,13 @@ class Boundary {
     else
       return body_surface_.is_between_sharp_corners(point);
   }
+  /// Whether that face belongs to a curved part of the surface, in the reference.
+  bool is_curved(int point) const {
+    if constexpr (dim == 2)
+      return body_surface_.is_curved(body_surface_.edge_of(point));
+    else
+      return body_surface_.is_curved(point);
+  }
   /// Returns the same distance from the nearest free end: a sharp corner that does not stand at a wall [m].
   double inside_free_end(int point, const Vector<dim>& x) const;
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].

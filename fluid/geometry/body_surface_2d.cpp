@@ -106,8 +106,11 @@ void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<in
     const std::size_t begin = corners[c];
     const std::size_t end = c + 1 < corners.size() ? corners[c + 1] : corners[0] + n;
     std::vector<double> length{0};  // along the edge, at each of its points [m]
-    for (std::size_t k = begin; k < end; ++k) length.push_back(length.back() + (at(k + 1) - at(k)).norm());
     Edge edge;
+    for (std::size_t k = begin; k < end; ++k) {
+      length.push_back(length.back() + (at(k + 1) - at(k)).norm());
+      edge.curved = edge.curved || (k > begin && std::abs(angle[k % n]) > flat_angle);
+    }
     edge.first = points();
     edge.count = std::max(1, static_cast<int>(std::lround(length.back() / spacing)));
     if (closed) edge.count = std::max(3, edge.count);

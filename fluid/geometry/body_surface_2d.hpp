@@ -30,6 +30,7 @@ class BodySurface2d {
     int first = 0, count = 0, vertex = 0;
     int previous = 0, next = 0;               // neighbours around the body
     bool closed = false;                      // smooth body without corners
+    bool curved = false;                      // not straight in the reference
     bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one edge only
     double piece = 0;                         // reference length of a piece [m]
     // Angle inside the body at its corners [rad], in the reference; π where it has none.
@@ -92,6 +93,7 @@ class BodySurface2d {
   };
   End end_of(int edge, bool last, const Vector2& x) const;
   bool is_between_sharp_corners(int edge) const;
+  bool is_curved(int edge) const { return edges_[static_cast<std::size_t>(edge)].curved; }
 
   struct Foot {
     int point = -1;  // piece it lies on

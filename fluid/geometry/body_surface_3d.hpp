@@ -93,6 +93,8 @@ class BodySurface3d {
   bool is_between_sharp_corners(int k) const {
     return patches_.between_sharp_corners[static_cast<std::size_t>(edge_of(k))] != 0;
   }
+  /// Whether the patch of wet point k lies in no plane at the start.
+  bool is_curved(int k) const { return patches_.curved[static_cast<std::size_t>(edge_of(k))] != 0; }
   bool inside(const Vector3& x) const { return grid_.inside(x); }
 
   struct Foot {

@@ -142,9 +142,10 @@ Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
   return smooth;
 }
 
-/// Marks the plane patches with sharp edges alone. A patch without an edge is the whole of a closed surface,
-/// which is not plane.
+/// Marks the curved patches, and the plane ones with sharp edges alone. A patch without an edge is the whole
+/// of a closed surface, which is not plane.
 void find_plane_patches(const std::vector<Vector3>& area, SurfacePatches& patches) {
+  patches.curved.assign(patches.area.size(), 0);
   patches.between_sharp_corners.assign(patches.area.size(), 1);
   for (const auto& border : patches.border)
     if (!border.sharp) patches.between_sharp_corners[static_cast<std::size_t>(border.patch)] = 0;
@@ -153,7 +154,8 @@ void find_plane_patches(const std::vector<Vector3>& area, SurfacePatches& patche
     const auto patch = static_cast<std::size_t>(patches.of_triangle[t]);
     if (first[patch] < 0) first[patch] = static_cast<int>(t);
     const Vector3 normal = area[static_cast<std::size_t>(first[patch])].normalized();
-    if (area[t].normalized().cross(normal).norm() > flat_angle) patches.between_sharp_corners[patch] = 0;
+    if (area[t].normalized().cross(normal).norm() > flat_angle) patches.curved[patch] = 1;
+    if (patches.curved[patch]) patches.between_sharp_corners[patch] = 0;
   }
 }
 

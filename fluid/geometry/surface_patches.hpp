@@ -25,8 +25,8 @@ struct SurfacePatches {
   std::vector<int> of_triangle;
   std::vector<double> area;  // [m²] of each patch
   std::vector<Border> border;
-  std::vector<std::uint8_t>
-      between_sharp_corners;  // of each patch: whether it is plane, with sharp edges alone
+  std::vector<std::uint8_t> curved;                 // of each patch: whether it lies in no plane
+  std::vector<std::uint8_t> between_sharp_corners;  // whether it is plane, with sharp edges alone
   int count() const { return static_cast<int>(area.size()); }
 };
 

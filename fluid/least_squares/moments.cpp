@@ -99,6 +99,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
       if (ranks_.owns(i)) add_images(far, i);
   }
   ranks_.update(film_.share);
+  if (p_.submerged) find_depth(boundary, far);
   list_films(boundary, state, far);
 }
 

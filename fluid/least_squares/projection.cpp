@@ -13,16 +13,6 @@
 
 namespace strake::fluid {
 
-/// Whether a body has faces that are not between sharp corners, as those of plates and boxes are.
-template <int dim>
-bool LeastSquaresScheme<dim>::has_oblique_faces(const Boundary<dim>& boundary) {
-  if (boundary.volume()) return false;
-  const int points = boundary.body_surface().points();
-  for (int k = 0; k < points; ++k)
-    if (!boundary.is_between_sharp_corners(k)) return true;
-  return false;
-}
-
 /// Sets Δt_p. Where it is longer than dt, the state's velocity becomes u**, and u* is kept.
 template <int dim>
 void LeastSquaresScheme<dim>::begin_projection(const Boundary<dim>& boundary, State<dim>& state,
@@ -67,7 +57,6 @@ void LeastSquaresScheme<dim>::note_acceleration(const Boundary<dim>& boundary, S
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                          \
-  template bool LeastSquaresScheme<dim>::has_oblique_faces(const Boundary<dim>&);                        \
   template void LeastSquaresScheme<dim>::begin_projection(const Boundary<dim>&, State<dim>&,             \
                                                           const Neighbours&, const Neighbours&, double); \
   template void LeastSquaresScheme<dim>::end_projection(const Boundary<dim>&, State<dim>&,               \

@@ -24,6 +24,15 @@ double largest_displacement(const StepData<dim>& step) {
   return std::sqrt(square);
 }
 
+/// Whether a body has a face with that property. With volume coupling bodies have no faces.
+template <int dim>
+bool has_face(const Boundary<dim>& boundary, const auto& is_one) {
+  if (boundary.volume()) return false;
+  for (int k = 0; k < boundary.body_surface().points(); ++k)
+    if (is_one(k)) return true;
+  return false;
+}
+
 }  // namespace
 
 template <int dim>
@@ -35,7 +44,8 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       lattice_(laplacian_, p.spacing),
       walls_(boundary, state, p.spacing),
       sound_(p.sound_depth, p.spacing),
-      oblique_(has_oblique_faces(boundary)) {
+      oblique_(has_face(boundary, [&](int k) { return !boundary.is_between_sharp_corners(k); })) {
+  wall_.curved = has_face(boundary, [&](int k) { return boundary.is_curved(k); });
   images_.factor = image_factor();
   const std::int64_t water = boundary.water();
   full_ = is_full(boundary, state, water);
@@ -68,7 +78,7 @@ void LeastSquaresScheme<dim>::resize(std::int64_t water) {
         &surface_.kappa, &surface_.slope_weight, &surface_.share, &film_.share})
     v->setZero(water);
   for (Eigen::VectorXd* v : {&equation_.source, &moments_.diagonal}) v->setZero(water);
-  equation_.tension.setOnes(water);
+  for (Eigen::VectorXf* v : {&equation_.tension, &surface_.deep}) v->setOnes(water);
   pressure_gradient_.setZero(dim, water);
 }
 

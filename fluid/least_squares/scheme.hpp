@@ -83,8 +83,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
   void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
-  /// Limits negative pressure by the distance to the free surface (F46). Afterwards a face pulls a particle
-  /// no more than its own water does, but for water beside a body that stood in it (EquationTerms::tension).
+  /// Limits negative pressure (F46), and from then on how much a face pulls (EquationTerms::tension).
   void limit_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m] (F47).
   const Vectors<dim>& pressure_gradient(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
@@ -120,11 +119,12 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   };
   /// The free surface near each water particle (F37)–(F39), of the last `measure`.
   struct FreeSurface {
-    SingleVectors normal;                // N, away from the surface
-    Eigen::VectorXf kappa;               // κ
-    Eigen::VectorXf slope_weight;        // b/D [1/m]
-    Eigen::VectorXf share;               // σ
-    std::vector<std::uint8_t> in_reach;  // scratch of `limit_tension`: surface within the far rows
+    SingleVectors normal;          // N, away from the surface
+    Eigen::VectorXf kappa;         // κ
+    Eigen::VectorXf slope_weight;  // b/D [1/m]
+    Eigen::VectorXf share;         // σ
+    Eigen::VectorXf deep;  // of `submerged`: 0 to 1.6 l0 from the surface, 1 from 3.1 l0 on; see `find_depth`
+    std::vector<std::uint8_t> in_reach;  // scratch of `find_depth`: surface within the far rows
   };
   /// What one particle's equation gets from one face newly met, or from all of them.
   struct Meeting {
@@ -133,6 +133,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   };
   /// Faces of walls and bodies.
   struct WallData {
+    bool curved = false;              // a body has curved faces
     Eigen::VectorXd cover;            // of each layer particle: part of its face that water covers, 0 … 1
     Vectors<dim> mean_velocity;       // of the water over each face, less U [m/s]
     SingleVectors force;              // R_i of (F52) per weight of a layer particle [N]
@@ -230,6 +231,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Returns the part of `start_` that still counts: 1 at the particle's place at the start, 0 a spacing from
   /// it (F68).
   double start_share(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
+  void find_depth(const Boundary<dim>&, const Neighbours& far);
   void list_films(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   void share_surface(State<dim>&) const;
   void limit_film(State<dim>&, const Neighbours& near);
@@ -288,9 +290,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return state.face_lag[i] * walls_.normal(j);
   }
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
+  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87).
+  double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer) const;
   /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean
-  /// over the particles over the face. Within 0.5 l0 of the end the two are blended linearly, to avoid a jump
-  /// of the pressure.
+  /// over the particles over the face. Within 0.5 l0 of the end the two are blended.
   Vector<dim> relative_wall_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                                      std::int64_t j) const;
   /// Returns −U = (p_i − p_still)/(ρc) n of an absorbing wall [m/s] (F60). A wave that goes out meets the
@@ -344,7 +347,6 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   }
   void begin_projection(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
-  static bool has_oblique_faces(const Boundary<dim>&);
   void note_acceleration(const Boundary<dim>&, State<dim>&) const;
   void begin_equation(const Boundary<dim>&, const State<dim>&, const Vector<dim>& gravity);
   void share_rows(const Neighbours& far, PressureSystem&) const;

@@ -6,59 +6,82 @@
 
 namespace strake::fluid {
 
+namespace {
+
+/// Marks the water that has a particle of full surface share within reach.
+void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t water, bool several) {
+  // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
+  // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
+  surface.in_reach.assign(static_cast<std::size_t>(water), several ? 1 : 0);
+#pragma omp parallel for schedule(static) if (!several)
+  for (std::int64_t j = 0; j < (several ? 0 : water); ++j) {
+    if (surface.share[j] < 1) continue;
+    for (const std::int32_t i : far.row(j)) {
+      if (i >= water) break;
+      std::atomic_ref(surface.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
+    }
+  }
+}
+
+/// Returns (D_s/l0 − 1.6)/1.5 within 0 and 1, D_s the distance of particle i from the free surface (F46).
+double depth_share(const auto& surface, const Neighbours& far, std::int64_t water, double spacing,
+                   std::int64_t i) {
+  if (surface.share[i] > 0) return 0;
+  if (!surface.in_reach[static_cast<std::size_t>(i)]) return 1;
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  double nearest = tuned.tension_from * spacing;
+  for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
+    if (surface.share[columns[e]] >= 1)
+      nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
+  return std::clamp((nearest / spacing - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to),
+                    0.0, 1.0);
+}
+
+}  // namespace
+
+/// Computes `depth_share` of all water.
+template <int dim>
+void LeastSquaresScheme<dim>::find_depth(const Boundary<dim>& boundary, const Neighbours& far) {
+  mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    if (ranks_.owns(i))
+      surface_.deep[i] = static_cast<float>(depth_share(surface_, far, boundary.water(), p_.spacing, i));
+  ranks_.update(surface_.deep);
+}
+
 // The suction on a body that moves under water is m_a dV/dt per area, m_a its added mass: some ρ a dV/dt, a
 // the half width. While a body starts, and while an elastic one swings, ρ u² is far smaller. Water with that
 // bound would let go of it. So the atmosphere alone bounds the tension beside a body that stood in the water.
 template <int dim>
 void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State<dim>& state,
                                             const Neighbours& far) {
-  const std::int64_t water = boundary.water();
-  const LeastSquaresConstants& tuned = least_squares_constants();
   const double of_speed = p_.density * now_.largest_speed * now_.largest_speed;
-  const bool follows = p_.submerged;
-  const double most = follows ? tuned.largest_tension : std::min(tuned.largest_tension, of_speed);
-  equation_.tension.setZero(water);
-  // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
-  // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
-  const bool several = ranks_.several();
-  surface_.in_reach.assign(static_cast<std::size_t>(water), several ? 1 : 0);
-#pragma omp parallel for schedule(static) if (!several)
-  for (std::int64_t j = 0; j < (several ? 0 : water); ++j) {
-    if (surface_.share[j] < 1) continue;
-    for (const std::int32_t i : far.row(j)) {
-      if (i >= water) break;
-      std::atomic_ref(surface_.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
-    }
+  const double atmosphere = least_squares_constants().largest_tension;
+  const double most = p_.submerged ? atmosphere : std::min(atmosphere, of_speed);
+  if (p_.submerged)
+    equation_.tension = surface_.deep;
+  else {
+    equation_.tension.setZero(boundary.water());
+    mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several());
   }
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (!ranks_.owns(i) || (!follows && state.pressure[i] > 0)) continue;
-    if (!surface_.in_reach[static_cast<std::size_t>(i)] && !(surface_.share[i] > 0)) {
-      if (follows) equation_.tension[i] = 1;
-      if (!(state.pressure[i] < -most)) continue;
-      state.pressure[i] = -most;
-      equation_.limited[static_cast<std::size_t>(i)] = Limit::tension;
-      continue;
-    }
-    const auto columns = far.row(i);
-    const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
-    double nearest = surface_.share[i] > 0 ? 0 : tuned.tension_from * p_.spacing;
-    for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
-      if (surface_.share[columns[e]] >= 1)
-        nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
-    const double share = std::clamp(
-        (nearest / p_.spacing - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to), 0.0, 1.0);
-    if (follows) equation_.tension[i] = static_cast<float>(share);
-    if (state.pressure[i] > 0) continue;
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    if (!ranks_.owns(i) || state.pressure[i] > 0) continue;
+    const double share =
+        p_.submerged ? surface_.deep[i] : depth_share(surface_, far, boundary.water(), p_.spacing, i);
     const double limited = std::max(share * state.pressure[i], -most);
     if (share < 1 || limited > state.pressure[i])
       equation_.limited[static_cast<std::size_t>(i)] = Limit::tension;
     state.pressure[i] = limited;
   }
-  if (follows) ranks_.update(equation_.tension);
 }
 
 template void LeastSquaresScheme<2>::limit_tension(const Boundary<2>&, State<2>&, const Neighbours&);
 template void LeastSquaresScheme<3>::limit_tension(const Boundary<3>&, State<3>&, const Neighbours&);
+template void LeastSquaresScheme<2>::find_depth(const Boundary<2>&, const Neighbours&);
+template void LeastSquaresScheme<3>::find_depth(const Boundary<3>&, const Neighbours&);
 
 }  // namespace strake::fluid

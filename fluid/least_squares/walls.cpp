@@ -51,6 +51,26 @@ void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const 
       wall_.cover[j - water] = wall_.cover[master - water];
 }
 
+// The plane of a face leaves a curved body. What a particle at the distance a beside the face's middle, and
+// at the height h, finds for (u* − U)·n there is wrong by some u_t a/R and ½h² ∂²u_n/∂n². For the exact flow
+// about a cylinder of five spacings in its radius the sum of ∇·u over the water was so wrong by 9 % of what
+// the body displaces, for a sphere by 18 %. Of bodies that enter the water the contact line has an error of
+// the opposite sign; they keep the velocity over the plane until both are mended.
+template <int dim>
+double LeastSquaresScheme<dim>::own_part(const Boundary<dim>& boundary, std::int64_t i, std::int64_t j,
+                                         const Vector<dim>& from_layer) const {
+  if (!p_.submerged || !wall_.curved || j < boundary.first_of_bodies() ||
+      !boundary.is_curved(boundary.point_of(j)))
+    return 1;
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  const auto falls = [&](double distance, double about) {
+    return std::clamp(0.5 + (about - distance / p_.spacing) / tuned.own_fades, 0.0, 1.0);
+  };
+  const Vector<dim> n = walls_.normal(j);
+  const double up = from_layer.dot(n), height = up - walls_.depth(j), aside = (from_layer - up * n).norm();
+  return 1 - surface_.deep[i] * (1 - falls(height, tuned.own_height) * falls(aside, tuned.own_side));
+}
+
 template <int dim>
 Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>& boundary,
                                                             const State<dim>& state, std::int64_t i,
@@ -66,12 +86,12 @@ Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>&
   u += lacking;
   // ∇u* extrapolates the particle's velocity to the face. Beside the free surface it is one-sided and left
   // out.
-  const double height =
-      walls_.height(j, state.position.col(j),
-                    boundary.tank().periodic().separation(state.position.col(j), state.position.col(i)) +
-                        state.position.col(j));
+  const Vector<dim> from_layer =
+      boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
+  const double height = walls_.height(j, state.position.col(j), from_layer + state.position.col(j));
   const double trust = 1 - surface_.share[i];
   u -= trust * height * (velocity_gradient(i) * walls_.normal(j));
+  if (const double own = own_part(boundary, i, j, from_layer); own < 1) u = mean() + own * (u - mean());
   if constexpr (dim == 2)
     if (j >= boundary.first_of_bodies() && !boundary.volume()) {
       const double from_end = boundary.within(boundary.point_of(j), state.position.col(i)) / p_.spacing;

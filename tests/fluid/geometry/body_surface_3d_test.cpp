@@ -343,12 +343,15 @@ TEST(BodySurface3d, AnEdgeThatDoesNotCountIsNoEndOfAFace) {
 
 TEST(BodySurface3d, PlaneFacesBetweenCornersOfAtMostARightAngleAreFound) {
   const BodySurface3d box = box_body(), sphere = sphere_body(0.05);
-  for (int k = 0; k < box.points(); ++k) EXPECT_TRUE(box.is_between_sharp_corners(k));
-  for (int k = 0; k < sphere.points(); ++k) EXPECT_FALSE(sphere.is_between_sharp_corners(k));
+  for (int k = 0; k < box.points(); ++k) EXPECT_TRUE(box.is_between_sharp_corners(k) && !box.is_curved(k));
+  for (int k = 0; k < sphere.points(); ++k)
+    EXPECT_TRUE(!sphere.is_between_sharp_corners(k) && sphere.is_curved(k));
   // A disc: its level faces are plane, its rim is curved.
   const BodySurface3d disc(disc_surface(0.1, 0, 0.04, l0), l0, reach);
-  for (int k = 0; k < disc.points(); ++k)
+  for (int k = 0; k < disc.points(); ++k) {
     EXPECT_EQ(disc.is_between_sharp_corners(k), std::abs(disc.normal(k).y()) > 0.9) << disc.point(k);
+    EXPECT_EQ(disc.is_curved(k), std::abs(disc.normal(k).y()) < 0.9) << disc.point(k);
+  }
   // Apex and chines of a wedge of 30 degrees are blunt. The corners of its deck and of its ends are not.
   const auto corner =
       structure::wedge_polygon({.deadrise = std::numbers::pi / 6, .width = 0.2, .height = 0.12});
@@ -359,6 +362,7 @@ TEST(BodySurface3d, PlaneFacesBetweenCornersOfAtMostARightAngleAreFound) {
   for (int k = 0; k < wedge.points(); ++k) {
     const bool blunt = wedge.normal(k).y() < -0.1 || std::abs(wedge.normal(k).x()) > 0.9;
     EXPECT_EQ(wedge.is_between_sharp_corners(k), !blunt) << wedge.point(k);
+    EXPECT_FALSE(wedge.is_curved(k)) << wedge.point(k);
   }
 }
 
