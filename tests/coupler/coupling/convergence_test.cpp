@@ -146,7 +146,7 @@ TEST(Convergence, WindowsAcceptedUnconvergedAreSaidWhereTheRunEnds) {
     parameters.accelerator.initial_relaxation = 0.3;
     Scheme scheme(spring, mass, nearest_neighbour(mass.mesh(), spring.mesh()), parameters);
     RunPlan plan = {.end = 0.5, .window = 0.1, .output_every = 0};
-    plan.if_unconverged = "shorter windows do not help";
+    plan.if_halving_failed = "shorter windows do not help";
     WindowLoop loop(scheme, plan);
     const bool failed = !loop.next().report.converged && !loop.next().report.converged;
     if (!failed) loop.next();
