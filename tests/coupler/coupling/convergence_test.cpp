@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// One window of the piston under half its mass of water, halving its error with each iteration or so.
-WindowReport one_window(const Convergence& convergence, bool parallel = false) {
+WindowReport one_window(const Convergence& convergence, bool parallel = false, double part = 1) {
   models::AddedMass column = models::piston_column(0.5);
   models::Oscillators spring = models::piston_spring();
   SchemeParameters parameters;
@@ -25,7 +25,7 @@ WindowReport one_window(const Convergence& convergence, bool parallel = false) {
   parameters.accelerator.kind = "constant";
   parameters.accelerator.initial_relaxation = 1;
   Scheme scheme(column, spring, nearest_neighbour(spring.mesh(), column.mesh()), parameters);
-  return scheme.advance({0, models::piston_period(0.5) / 100});
+  return scheme.advance({0, part * models::piston_period(0.5) / 100});
 }
 
 constexpr Convergence nothing = {0, 0, Measure::increment, 1, 60, Unconverged::accept};
@@ -132,6 +132,22 @@ TEST(Convergence, HalvesWindowsUntilTheyConverge) {
   EXPECT_EQ(taken_back, 2);  // from 0.1 s, error times 2, over 0.05 s, halved in each of ten iterations
   EXPECT_EQ(windows, 20);    // of 0.025 s, error times 1/8
   EXPECT_EQ(scheme.state().windows, windows);
+}
+
+TEST(DefaultResidual, GoesWithTheSquareOfTheWindow) {
+  // A body's acceleration is the displacement over Δt²: 0.02 m/s² at any window.
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-4), 2e-10);
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-5), 2e-12);
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-2), 1e-8) << "never looser than 1e-6 l0";
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-9), 1e-13) << "never below round-off";
+}
+
+TEST(DefaultResidual, IsThatOfEachWindow) {
+  Convergence limits = nothing;
+  limits.spacing = 10;
+  const double whole = one_window(limits).threshold, half = one_window(limits, false, 0.5).threshold;
+  EXPECT_GT(whole, 0);
+  EXPECT_DOUBLE_EQ(half, whole / 4);
 }
 
 // A shorter window is no advice where the iterations failed before.
