@@ -99,7 +99,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   // (cases/VALIDATION.md, "Definitions").
   for (const ProbeKeys& probe : parameters_.probes)
     measurements_.probes.push_back(
-        is_sensor(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+        is_on_body(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_size_[0]);
   for (std::string& line :
@@ -196,8 +196,8 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   if (measures_water_) count_voids_now();
 }
 
-/// Adds the step to the probes and finds the contact. Contact is the first step in which any sensor exceeds
-/// ½ρV² (cases/VALIDATION.md, "Definitions").
+/// Adds the step to the probes and finds the contact. Contact is the first step in which a sensor on the body
+/// exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
 template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
@@ -219,13 +219,13 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
     const double value = pressure_or_place(probe, position, particles);
-    contact = contact || (is_sensor(probe) && value > threshold);
+    contact = contact || (value > threshold && is_on_body(probe));
     records[i].add(t0, t1, value);
   }
   if (!contact || start_speeds_.entry == 0 || measurements_.contact_time >= 0) return;
   measurements_.contact_time = t0;
   for (std::size_t i = 0; i < records.size(); ++i)
-    if (is_sensor(parameters_.probes[i])) records[i].contact(t0);
+    if (is_on_body(parameters_.probes[i])) records[i].contact(t0);
 }
 
 template <int dim>

@@ -54,6 +54,7 @@ class FluidParticipant final : public Participant {
   void flush() override;
 
  private:
+  bool is_on_body(const ProbeKeys&) const;
   void check_sensors() const;
   void check_air_probe(const ProbeKeys&) const;
   std::string air_line() const;

@@ -59,32 +59,42 @@ double tank_speed(const Parameters& p) {
   return largest;
 }
 
+/// Distance of a probe from the nearest point of the body [m].
+double to_body(const InterfaceMesh& body, const ProbeKeys& probe) {
+  if (body.position.cols() == 0) return std::numeric_limits<double>::infinity();
+  return (body.position.colwise() - probe.at).colwise().norm().minCoeff();
+}
+
 }  // namespace
+
+/// Whether a probe is a sensor that covers a point of the body.
+template <int dim>
+bool FluidParticipant<dim>::is_on_body(const ProbeKeys& probe) const {
+  return is_sensor(probe) && to_body(mesh(), probe) <= 0.5 * probe.diameter;
+}
 
 /// Refuses a sensor that covers no point, since its value would always be zero.
 template <int dim>
 void FluidParticipant<dim>::check_sensors() const {
   for (const ProbeKeys& probe : parameters_.probes) {
     if (is_of_air(probe)) check_air_probe(probe);
-    if (!is_sensor(probe)) continue;
-    double nearest = std::numeric_limits<double>::infinity();
-    if (has_body_) {
-      nearest = (mesh().position.colwise() - probe.at).colwise().norm().minCoeff();
-    } else {
-      nearest = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>()));
-      nearest += 0.5 * parameters_.spacing;  // to the middle of the nearest wall particle's face, at worst
-    }
-    if (nearest <= 0.5 * probe.diameter) continue;
+    if (!is_sensor(probe) || is_on_body(probe)) continue;
+    // To the middle of the nearest wall particle's face, at worst.
+    const double to_walls = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>())) +
+                            0.5 * parameters_.spacing;
+    if (to_walls <= 0.5 * probe.diameter) continue;
     throw Error(
         ExitCode::case_file, fmt::format("output.probe \"{}\"", probe.name),
-        fmt::format("its sensor at ({:.6g}, {:.6g}) m of diameter {:.6g} m covers no point of the {}: the "
+        fmt::format("its sensor at ({:.6g}, {:.6g}{}) m of diameter {:.6g} m covers no point of the {}tank's "
+                    "walls: the "
                     "nearest is {:.3g} m away",
-                    probe.at[0], probe.at[1], probe.diameter, has_body_ ? "body" : "tank's walls", nearest),
-        has_body_
-            ? "place it on the body's surface, or enlarge its diameter; beside a body neither walls nor "
-              "water have sensors, and the pressure of the water stands in the frames (output.every)"
-            : "place it on a wall of the tank, or enlarge its diameter; the pressure inside the water "
-              "stands in the frames (output.every)");
+                    probe.at[0], probe.at[1], dim == 3 ? fmt::format(", {:.6g}", probe.at[2]) : "",
+                    probe.diameter, has_body_ ? "body or the " : "",
+                    std::min(to_walls, to_body(mesh(), probe))),
+        fmt::format(
+            "place it on {} of the tank, or enlarge its diameter; the pressure inside the water stands "
+            "in the frames (output.every)",
+            has_body_ ? "the body's surface or a wall" : "a wall"));
   }
 }
 
@@ -176,7 +186,8 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.steps"] = static_cast<double>(progress_.steps);
   // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
   const std::vector<ProbeKeys>& probes = parameters_.probes;
-  const bool detects = std::any_of(probes.begin(), probes.end(), is_sensor);
+  const bool detects =
+      std::ranges::any_of(probes, [this](const ProbeKeys& probe) { return is_on_body(probe); });
   if (start_speeds_.entry > 0 && detects && measurements_.contact_time < 0)
     monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
@@ -318,6 +329,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                   \
+  template bool FluidParticipant<dim>::is_on_body(const ProbeKeys&) const;                        \
   template void FluidParticipant<dim>::check_sensors() const;                                     \
   template std::vector<Column> FluidParticipant<dim>::columns() const;                            \
   template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \

@@ -3,8 +3,6 @@
 #include "coupler/case/mesh_transfer.hpp"
 #include "proto/error.hpp"
 
-#include <algorithm>
-
 namespace strake {
 
 namespace {
@@ -12,9 +10,6 @@ namespace {
 // A point of the fluid's wetted surface farther than this from the structure's surface [fluid.spacing]
 // belongs to another shape.
 constexpr double farthest_wet_point = 2.0;
-// A converged residual, where the case gives none, (C18). The acceleration is a five-hundredth of gravity.
-constexpr double residual_acceleration = 0.02;                         // [m/s²]
-constexpr double largest_residual = 1e-6, round_off_residual = 1e-11;  // [fluid.spacing]
 
 Mapping mapping_of(const CouplingCase& view, const InterfaceMesh& structure, const InterfaceMesh& fluid) {
   if (view.common.interface == "volume") return identity(structure, fluid);
@@ -62,11 +57,6 @@ Deadlines deadlines_of(const WaitingKeys& keys, bool patient) {
   return deadlines;
 }
 
-double default_residual(double spacing, double window) {
-  return std::clamp(residual_acceleration * window * window, round_off_residual * spacing,
-                    largest_residual * spacing);
-}
-
 SchemeParameters scheme_of(const CouplingCase& view, const Participant& structure) {
   const CouplingKeys& keys = view.coupling;
   SchemeParameters scheme;
@@ -77,7 +67,7 @@ SchemeParameters scheme_of(const CouplingCase& view, const Participant& structur
   scheme.convergence = keys.convergence;
   // A length is no measure of a field that is none.
   if (keys.convergence.absolute == 0 && fields_of_structure(structure).motion)
-    scheme.convergence.absolute = default_residual(view.spacing.value_or(0.01), view.common.window);
+    scheme.convergence.spacing = view.spacing.value_or(0.01);
   return scheme;
 }
 

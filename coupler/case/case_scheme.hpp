@@ -17,9 +17,6 @@ struct CouplingCase {
   std::optional<double> spacing;  // [m] fluid.spacing, where there is one
 };
 
-/// The residual that is always enough where the case gives none [m], (C18): a Δt² within bounds. spacing: l0
-/// [m]; window: Δt [s].
-double default_residual(double spacing, double window);
 SchemeParameters scheme_of(const CouplingCase&, const Participant& structure);
 FieldTransfer transfer_of(const CouplingCase&, const Participant& structure, const Participant& fluid);
 /// What beside the solvers' own words may help where no window is short enough; may be empty.

@@ -9,6 +9,18 @@
 #include <cmath>
 
 namespace strake {
+namespace {
+
+// The acceleration is a five-hundredth of gravity.
+constexpr double residual_acceleration = 0.02;                         // [m/s²]
+constexpr double largest_residual = 1e-6, round_off_residual = 1e-11;  // [fluid.spacing]
+
+}  // namespace
+
+double default_residual(double spacing, double window) {
+  return std::clamp(residual_acceleration * window * window, round_off_residual * spacing,
+                    largest_residual * spacing);
+}
 
 FieldResidual judge(const Column& quantity, double residual, double scale, const Limits& limits,
                     double first) {

@@ -46,7 +46,13 @@ struct Convergence {
   Unconverged then = Unconverged::accept;
   double residual_relative = 0;
   Limits load = {};  // of the fluid's fields; where they must settle, the two relative ones above at least
+  double spacing =
+      0;  // [m] of the fluid; where it is given, each window has its default residual as `absolute`
 };
+
+/// The residual that is always enough where the case gives none [m], (C17): a Δt² within bounds. spacing: l0
+/// [m]; window: Δt [s].
+double default_residual(double spacing, double window);
 
 /// One field in one iteration.
 struct FieldResidual {

@@ -208,6 +208,7 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
                                 const IterationReport* first) const {
   const Convergence& c = parameters_.convergence;
   const bool by_value = c.measure == Measure::value;
+  const double absolute = c.spacing > 0 ? default_residual(c.spacing, window.dt) : c.absolute;
   IterationReport row;
   row.iteration = iteration;
   row.force = now.force;
@@ -225,7 +226,7 @@ IterationReport Scheme::measure(const Window& window, int iteration, const Itera
     const double change = rms(answer - given);
     const double scale = by_value ? rms(answer) : &guess == &last ? change : rms(answer - committed);
     add(Sender::structure, std::max(change, residual_of_velocity), scale,
-        {c.relative, row.fields.empty() ? c.absolute : 0, c.residual_relative});
+        {c.relative, row.fields.empty() ? absolute : 0, c.residual_relative});
   };
   if (const auto& motion = now.answer.motion)
     add_structure(motion->displacement, guess.motion->displacement, last.motion->displacement,

@@ -16,6 +16,8 @@ namespace {
 constexpr double slack = 1e-6;
 // A window this many times shorter than requested means that a solver cannot continue.
 constexpr double shortest = 1e-6;
+// Where one so many times shorter failed too, the length of windows was not the cause.
+constexpr double much_shorter = 0.01;
 
 double smallest(const RunPlan& plan) {
   return plan.control.smallest > 0 ? plan.control.smallest : shortest * plan.window;
@@ -88,9 +90,11 @@ void WindowLoop::shorten(const Window& failed, const CommittedWindow& tried, dou
                                               tried.taken_back, longest, failed.dt);
     std::string fix =
         report.fix.empty() ? "look at the last frames: the solution has probably blown up" : report.fix;
-    if (state_.unconverged > 0 && !plan_.if_unconverged.empty())
+    if (state_.unconverged > 0 && !plan_.if_halving_failed.empty())
       fix = fmt::format("{} of {} windows before it were accepted unconverged: {}", state_.unconverged,
-                        state_.windows, plan_.if_unconverged);
+                        state_.windows, plan_.if_halving_failed);
+    else if (failed.dt < much_shorter * plan_.window && !plan_.if_halving_failed.empty())
+      fix = plan_.if_halving_failed + "\n" + fix;
     if (tried.taken_back == 1 && longest > plan_.window * (1 - slack))
       fix += "\nlower coupling.surface.shorter.smallest: it allows no shorter window than the case's";
     if (!plan_.remedy.empty()) fix += "\n" + plan_.remedy;

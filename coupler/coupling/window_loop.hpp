@@ -40,8 +40,9 @@ struct RunPlan {
   LoopState start = {};  // of a resumed run
   WindowControl control = {};
   std::string remedy = {};  // a line of what else the case lets a user change where no window is short enough
-  /// What to change instead of the solver's advice where windows before were accepted unconverged.
-  std::string if_unconverged = {};
+  /// What to change: instead of the solver's advice where windows before were accepted unconverged, before it
+  /// where much shorter windows failed too.
+  std::string if_halving_failed = {};
 
   long n_windows() const;  // of the whole run, if no solver requests shorter ones
 };

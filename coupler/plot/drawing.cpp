@@ -59,23 +59,42 @@ Colour colour_of(double value, const Range& range, bool solid) {
   return solid ? solid_colour(s) : water_colour(s);
 }
 
-void draw_marks(Canvas& canvas, const PlotArea& f, const std::vector<Mark>& marks, double spacing,
-                const Range& range, bool solid) {
+constexpr double covering = 1.42, touching = 1.02;  // √2 of the radius; more than 1, since pixels are whole
+
+double radius_of(double spacing, const PlotArea& f) {
+  return std::max(0.7, 0.5 * spacing * f.scale);
+}
+
+void draw_water(Canvas& canvas, const PlotArea& f, const std::vector<Mark>& marks, double spacing,
+                const Range& range) {
   // Large discs are single particles. Smaller ones cover the square around each, so that the field has no
   // gaps; the smallest are squares, which cost less and look the same.
-  constexpr double seen_alone = 6, covering = 1.42;  // [px], √2 of the radius
-  const double radius = std::max(0.7, 0.5 * spacing * f.scale);
+  constexpr double seen_alone = 6, disc = 3;  // [px]
+  const double radius = radius_of(spacing, f);
   for (const Mark& mark : marks) {
     const Place p = f(mark.at);
     if (p.x < f.x - radius || p.x > f.x + f.width + radius || p.y < f.y - radius ||
         p.y > f.y + f.height + radius)
       continue;
-    const Colour colour = colour_of(mark.value, range, solid);
-    if (radius < 3 || solid)
-      canvas.square(p.x, p.y, solid ? 1.02 * radius : covering * radius, colour);
+    const Colour colour = colour_of(mark.value, range, false);
+    if (radius < disc)
+      canvas.square(p.x, p.y, covering * radius, colour);
     else
       canvas.dot(p.x, p.y, (radius < seen_alone ? covering : 1.04) * radius, colour);
   }
+}
+
+/// Squares of a body's particles. A lattice that is turned or cut has gaps between them: those inside the
+/// body are filled first by larger ones, which the body's own outline hides.
+void draw_solid(Canvas& canvas, const PlotArea& f, const std::vector<Mark>& marks, double spacing,
+                const Range& range) {
+  const double radius = radius_of(spacing, f);
+  const std::vector<bool> inner = surrounded(marks, spacing);
+  for (const double larger : {covering, touching})
+    for (std::size_t k = 0; k < marks.size(); ++k)
+      if (inner[k] || larger == touching)
+        canvas.square(f(marks[k].at).x, f(marks[k].at).y, larger * radius,
+                      colour_of(marks[k].value, range, true));
 }
 
 void draw_cells(Canvas& canvas, const PlotArea& f, const std::vector<Patch>& cells, const Range& range,
@@ -214,11 +233,11 @@ std::string draw(const Scene& scene, const DrawingOptions& options, Canvas::Kind
   inside();
   for (const Mark& mark : scene.wall) {
     const Place p = f(mark.at);
-    canvas.square(p.x, p.y, std::max(0.7, 0.5 * scene.spacing * f.scale), grey);
+    canvas.square(p.x, p.y, touching * radius_of(scene.spacing, f), grey);
   }
-  draw_marks(canvas, f, scene.water, scene.spacing, water, false);
+  draw_water(canvas, f, scene.water, scene.spacing, water);
   draw_cells(canvas, f, scene.air, water, false);
-  draw_marks(canvas, f, scene.solid, scene.solid_spacing, solid, true);
+  draw_solid(canvas, f, scene.solid, scene.solid_spacing, solid);
   many ? canvas.end_image() : canvas.unclip();
   canvas.clip(f.x, f.y, f.width, f.height);
   draw_lines(canvas, f, scene.lines);

@@ -202,6 +202,30 @@ std::vector<std::pair<int, int>> edges(Eigen::Index corners) {
 
 }  // namespace
 
+std::vector<bool> surrounded(const std::vector<Mark>& marks, double spacing) {
+  constexpr double reach = 1.6;  // [spacing] beyond the diagonal of a cell
+  constexpr int enough = 7 + 1;  // and the mark itself
+  using Cell = std::pair<long, long>;
+  const auto cell_of = [&](const Place& p) -> Cell {
+    return {std::lround(p.x / (reach * spacing)), std::lround(p.y / (reach * spacing))};
+  };
+  std::vector<bool> inner;
+  std::map<Cell, std::vector<Place>> cells;
+  for (const Mark& mark : marks) cells[cell_of(mark.at)].push_back(mark.at);
+  for (const Mark& mark : marks) {
+    const Cell here = cell_of(mark.at);
+    int near = 0;
+    for (long x = here.first - 1; x <= here.first + 1; ++x)
+      for (long y = here.second - 1; y <= here.second + 1; ++y)
+        if (const auto found = cells.find({x, y}); found != cells.end())
+          near += static_cast<int>(std::ranges::count_if(found->second, [&](const Place& p) {
+            return std::hypot(p.x - mark.at.x, p.y - mark.at.y) < reach * spacing;
+          }));
+    inner.push_back(near >= enough);
+  }
+  return inner;
+}
+
 std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at) {
   std::vector<Place> cut;
   for (const auto& [a, b] : edges(cell.size())) {

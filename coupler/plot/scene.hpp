@@ -46,6 +46,10 @@ struct Mark {
   Place at;
   double value = 0;
 };
+/// Whether each mark of a lattice has others all around: seven of eight neighbours. spacing: [m] of the
+/// lattice.
+std::vector<bool> surrounded(const std::vector<Mark>& marks, double spacing);
+
 /// A cell of a mesh, its section by the plane of the picture, or a line of two points.
 struct Patch {
   std::vector<Place> corner;

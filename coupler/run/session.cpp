@@ -34,10 +34,12 @@ double extent_of(const InterfaceMesh& mesh) {
   return (mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff()).maxCoeff();
 }
 
-/// What helped a soft wall whose iterations failed (cases/VALIDATION.md, "A soft wall under water").
+/// What helped a soft wall whose windows failed, the best first (cases/VALIDATION.md, "A soft wall under
+/// water").
 constexpr const char* soft_body_remedy =
-    "shorter windows do not help. Of a soft body structure.damping.stiffness of some 1e-4 s, a longer "
-    "coupling.surface.window or structure.solver = \"particle\" may";
+    "shorter windows do not help. Of a soft body, in this order: a motion that starts at rest "
+    "(fluid.motion.ramp), a fluid.spacing of at most half its thickness, a longer coupling.surface.window; "
+    "at the default window also structure.damping.stiffness of some 1e-4 s";
 
 std::string accelerator_title(const std::string& kind) {
   if (kind == "iqn-ils") return "IQN-ILS";
@@ -273,7 +275,7 @@ RunPlan Session::plan() const {
           .start = start,
           .control = case_.coupling.control,
           .remedy = case_.coupled() ? remedy_of(coupling_case(case_)) : std::string(),
-          .if_unconverged = case_.coupled() && case_.any_deforms() ? soft_body_remedy : ""};
+          .if_halving_failed = case_.coupled() && case_.any_deforms() ? soft_body_remedy : ""};
 }
 
 WindowLoop Session::loop(const RunPlan& plan) {

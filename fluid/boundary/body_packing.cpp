@@ -103,7 +103,10 @@ const Neighbours& Packing<dim>::search(int round) {
   if (round % tag_rounds == 0) {
     const auto all = boundary_.tags(state_);
     tags_.resize(global_.size());
-    for (std::size_t k = 0; k < tags_.size(); ++k) tags_[k] = all[static_cast<std::size_t>(global_[k])];
+    for (std::size_t k = 0; k < tags_.size(); ++k) {
+      tags_[k] = all[static_cast<std::size_t>(global_[k])];
+      if (k >= static_cast<std::size_t>(movers_)) tags_[k] |= passive;  // what does not move needs no row
+    }
   }
   const auto keep = [this](std::int32_t i, std::int32_t j) {
     return boundary_.keep(state_, global_[static_cast<std::size_t>(i)], global_[static_cast<std::size_t>(j)]);

@@ -40,9 +40,6 @@ std::optional<BoxFault> off_lattice(const char* key, double edge, double origin,
 
 }  // namespace
 
-namespace {
-
-/// Corners of the shape's bounding box.
 Box bounds(const std::vector<Eigen::Vector3d>& points) {
   Box box{points.front(), points.front()};
   for (const auto& point : points) {
@@ -51,6 +48,8 @@ Box bounds(const std::vector<Eigen::Vector3d>& points) {
   }
   return box;
 }
+
+namespace {
 
 std::optional<BoxFault> water_fault(const std::vector<Eigen::Vector3d>& shape, const Box& tank,
                                     const Parameters& p) {

@@ -14,6 +14,9 @@ namespace strake::fluid {
 /// where r_e is the largest radius of the scheme. The wall layer then has full support.
 int dummy_rows(const Scheme&);
 
+/// The box round some points, of which there is at least one.
+Box bounds(const std::vector<Eigen::Vector3d>& points);
+
 /// The water's shapes, each two corners of a box or a polygon: that of fluid.water where there is no other.
 std::vector<std::vector<Eigen::Vector3d>> water_shapes(const Parameters&);
 

@@ -1,5 +1,6 @@
 #include "fluid/case/tank_keys.hpp"
 
+#include "fluid/boundary/fill.hpp"
 #include "proto/files/motion_file.hpp"
 
 #include <fmt/format.h>
@@ -13,15 +14,6 @@ namespace {
 
 using Shape = std::vector<Eigen::Vector3d>;
 constexpr double degree = std::numbers::pi / 180;  // [rad]
-
-Box bounds(const Shape& points) {
-  Box box{points.front(), points.front()};
-  for (const auto& point : points) {
-    box.min = box.min.cwiseMin(point);
-    box.max = box.max.cwiseMax(point);
-  }
-  return box;
-}
 
 void read_shape(CaseTable& t, Parameters& p) {
   t.points("tank_polygon", p.tank_polygon,

@@ -113,6 +113,19 @@ auto TriangleGrid::foot_on(int t, const Vector3& x) const -> Foot {
   return foot;
 }
 
+/// Distance of x from a cell, a little less for round-off [m]. No triangle has a nearer place in that cell.
+double TriangleGrid::distance_to_cell(const Cell& cell, const Vector3& x) const {
+  constexpr double round_off = 1e-9;
+  double square = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto axis = static_cast<Eigen::Index>(d);
+    const double low = low_[axis] + cell[d] * cell_ - x[axis];
+    const double away = std::max({low, -low - cell_, 0.0});
+    square += away * away;
+  }
+  return std::sqrt(square) - round_off * cell_;
+}
+
 // Searches cubes of cells around x, one layer more each time. A place outside a cube is at least as far as
 // its sides.
 auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
@@ -136,11 +149,14 @@ auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
         const bool face = std::max(std::abs(cz - centre[2]), std::abs(cy - centre[1])) == shell;
         for (int cx = from[0]; cx <= to[0]; ++cx) {
           if (!face && std::abs(cx - centre[0]) != shell) continue;
-          visit({cx, cy, cz}, {cx, cy, cz}, [&](int t) {
+          const std::size_t cell = number(cx, cy, cz);
+          if (start_[cell] == start_[cell + 1] || distance_to_cell({cx, cy, cz}, x) > best.distance) continue;
+          for (int m = start_[cell]; m < start_[cell + 1]; ++m) {
+            const int t = member_[static_cast<std::size_t>(m)];
             const Foot foot = foot_on(t, x);
             if (foot.distance < best.distance || (foot.distance == best.distance && t < best.triangle))
               best = foot;
-          });
+          }
         }
       }
   }

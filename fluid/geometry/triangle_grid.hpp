@@ -40,6 +40,7 @@ class TriangleGrid {
  private:
   using Cell = std::array<int, 3>;
   Cell cell_of(const Vector3& x) const;  // clamped to the grid
+  double distance_to_cell(const Cell&, const Vector3& x) const;
   template <class Visit>
   void visit(const Cell& from, const Cell& to, Visit&&) const;
   std::size_t number(int x, int y, int z) const {

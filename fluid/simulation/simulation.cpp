@@ -173,15 +173,14 @@ double Simulation<dim>::sensor_pressure(const Eigen::Vector3d& at, double diamet
     load -= w.on_points.col(k).dot(body.normal(k));
     area += body.area(k);
   }
-  if (!body.empty()) return area > 0 ? load / area : 0.0;
   if (w.step.boundary.volume()) {  // no faces: the mean over the structure's particles
     for (Eigen::Index k = 0; k < w.on_solids.cols(); ++k) {
       if (!covers(w.step.boundary.mesh().position.col(k))) continue;
       load += w.on_solids(0, k);
       area += w.on_solids(1, k);
     }
-    return area > 0 ? load / area : 0.0;
   }
+  if (area > 0) return load / area;
   if (w.step.ranks.sum(w.on_walls.cols()) == 0) return 0;  // no step yet
   const auto [on_wall, of_wall] = w.load_on_walls(at, reach);
   return of_wall > 0 ? on_wall / of_wall : 0.0;

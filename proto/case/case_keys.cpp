@@ -34,7 +34,7 @@ ProbeKeys read_probe(CaseTable table, const CommonKeys& keys) {
       {.help =
            "structure: deflection (displacement less that of the supports, the default), displacement, "
            "velocity, von_mises or stress (Cauchy's, each component); fluid: pressure (the default; on the "
-           "surface of the body, without a body on a wall of the tank), "
+           "surface of the body, else on a wall of the tank), "
            "front (x where the water on the floor at `at` ends), "
            "level (of the water over `at`), height (wetted length over `at`), or of the air under the body's "
            "face at `at`: gap or air_pressure (of that alone)"});

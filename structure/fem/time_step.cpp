@@ -22,7 +22,8 @@ constexpr double same_step = 1e-6;
 
 StepFailed failed(double time, const std::string& problem) {
   return {ExitCode::solver_fault, fmt::format("structure (fem), t = {:.6g} s", time), problem,
-          "lower coupling.surface.window, or look at the load: is the body too thin for it?"};
+          "look at the load: is the body too thin for it? Where no shorter window was tried, lower "
+          "coupling.surface.window"};
 }
 
 }  // namespace

@@ -236,15 +236,14 @@ void ParticleSolver<dim>::advance(double t, double dt, const Load& load) {
     state_ = start;
     if (failure_) failure_->apply(state_.failure);
     if (halved == most_halvings)
-      throw StepFailed(
-          ExitCode::solver_fault, fmt::format("structure (particle), t = {:.6g} s", t),
-          fmt::format(
-              "{} with sub-steps of {:.3g} s, and down to {:.3g} s",
-              finite ? "the particles make energy out of nothing" : "the particles' places are not finite",
-              longest, dt / n),
-          fmt::format(
-              "lower structure.particle.safety ({:.3g}) or coupling.surface.window, or look at the load",
-              parameters_.particle.safety));
+      throw StepFailed(ExitCode::solver_fault, fmt::format("structure (particle), t = {:.6g} s", t),
+                       fmt::format("{} with sub-steps of {:.3g} s, and down to {:.3g} s",
+                                   finite ? "the particles make energy out of nothing"
+                                          : "the particles' places are not finite",
+                                   longest, dt / n),
+                       fmt::format("lower structure.particle.safety ({:.3g}), or look at the load. Where no "
+                                   "shorter window was tried, lower coupling.surface.window",
+                                   parameters_.particle.safety));
   }
 }
 

@@ -322,10 +322,26 @@ TEST(FluidParticipant, the_front_of_a_collapsing_column_runs_ahead_and_its_head_
 }
 
 TEST(FluidParticipant, a_sensor_that_covers_nothing_is_refused) {
-  const Case c({}, "[0.12, 0.002]");
-  EXPECT_THROW(FluidParticipant<2>(c.parameters, c.common, entering()), Error);
-  const Case in_the_water({}, "[0.0, -0.05]");
-  EXPECT_THROW(FluidParticipant<2>(in_the_water.parameters, in_the_water.common, strake::Setup{}), Error);
+  for (const char* at : {"[0.12, 0.002]", "[0.0, -0.05]"}) {  // beside the body, in the water
+    const Case c({}, at);
+    for (const strake::Setup& setup : {entering(), strake::Setup{}})
+      EXPECT_THROW(FluidParticipant<2>(c.parameters, c.common, setup), Error) << at;
+  }
+}
+
+// The floor carries the weight of the water, more than ½ρV² of a slow plate that is still above it.
+TEST(FluidParticipant, a_sensor_on_a_wall_beside_a_body_reads_the_wall_and_finds_no_contact) {
+  constexpr double slow = 0.2;
+  const Case c({}, "[0.0, -0.1]");
+  strake::Setup setup = entering();
+  setup.partner_initial = {moving("displacement", {0, 0, 0}), moving("velocity", {0, -slow, 0})};
+  FluidParticipant<2> beside(c.parameters, c.common, setup), alone(c.parameters, c.common, strake::Setup{});
+  const Advanced read = beside.advance(nth(0), at_speed(nth(0), slow)), expected = alone.advance(nth(0), {});
+  EXPECT_GT(read.monitor.at("p"), 0.5 * 1000 * slow * slow);
+  EXPECT_NEAR(read.monitor.at("p"), expected.monitor.at("p"), 1);
+  EXPECT_TRUE(read.monitor.contains("p:running_impulse")) << "from the first step";
+  EXPECT_FALSE(read.monitor.contains("p:contact"));
+  EXPECT_FALSE(read.monitor.contains("count.awaiting_contact"));
 }
 
 TEST(FluidParticipant, frames_hold_water_and_wet_rows_and_are_listed) {

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// One window of the piston under half its mass of water, halving its error with each iteration or so.
-WindowReport one_window(const Convergence& convergence, bool parallel = false) {
+WindowReport one_window(const Convergence& convergence, bool parallel = false, double part = 1) {
   models::AddedMass column = models::piston_column(0.5);
   models::Oscillators spring = models::piston_spring();
   SchemeParameters parameters;
@@ -25,7 +25,7 @@ WindowReport one_window(const Convergence& convergence, bool parallel = false) {
   parameters.accelerator.kind = "constant";
   parameters.accelerator.initial_relaxation = 1;
   Scheme scheme(column, spring, nearest_neighbour(spring.mesh(), column.mesh()), parameters);
-  return scheme.advance({0, models::piston_period(0.5) / 100});
+  return scheme.advance({0, part * models::piston_period(0.5) / 100});
 }
 
 constexpr Convergence nothing = {0, 0, Measure::increment, 1, 60, Unconverged::accept};
@@ -134,6 +134,22 @@ TEST(Convergence, HalvesWindowsUntilTheyConverge) {
   EXPECT_EQ(scheme.state().windows, windows);
 }
 
+TEST(DefaultResidual, GoesWithTheSquareOfTheWindow) {
+  // A body's acceleration is the displacement over Δt²: 0.02 m/s² at any window.
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-4), 2e-10);
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-5), 2e-12);
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-2), 1e-8) << "never looser than 1e-6 l0";
+  EXPECT_DOUBLE_EQ(default_residual(0.01, 1e-9), 1e-13) << "never below round-off";
+}
+
+TEST(DefaultResidual, IsThatOfEachWindow) {
+  Convergence limits = nothing;
+  limits.spacing = 10;
+  const double whole = one_window(limits).threshold, half = one_window(limits, false, 0.5).threshold;
+  EXPECT_GT(whole, 0);
+  EXPECT_DOUBLE_EQ(half, whole / 4);
+}
+
 // A shorter window is no advice where the iterations failed before.
 TEST(Convergence, WindowsAcceptedUnconvergedAreSaidWhereTheRunEnds) {
   for (const int iterations : {3, 60}) {
@@ -146,7 +162,7 @@ TEST(Convergence, WindowsAcceptedUnconvergedAreSaidWhereTheRunEnds) {
     parameters.accelerator.initial_relaxation = 0.3;
     Scheme scheme(spring, mass, nearest_neighbour(mass.mesh(), spring.mesh()), parameters);
     RunPlan plan = {.end = 0.5, .window = 0.1, .output_every = 0};
-    plan.if_unconverged = "shorter windows do not help";
+    plan.if_halving_failed = "shorter windows do not help";
     WindowLoop loop(scheme, plan);
     const bool failed = !loop.next().report.converged && !loop.next().report.converged;
     if (!failed) loop.next();

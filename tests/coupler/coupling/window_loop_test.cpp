@@ -202,6 +202,26 @@ TEST(WindowLoop, EndsWithTheReasonBelowTheSmallestWindow) {
   }
 }
 
+// Windows of 0.1 s down to 0.2 ms fail: their length is not the cause.
+TEST(WindowLoop, AdvisesMoreWhereMuchShorterWindowsFailedToo) {
+  for (const double smallest : {0.03, 1e-4}) {
+    Listener listener;
+    listener.longest_at = [](double) { return 1e-9; };
+    WindowLoop loop(listener, WindowLoop::Side::fluid,
+                    {.end = 1.0,
+                     .window = 0.1,
+                     .output_every = 0,
+                     .control = {.smallest = smallest},
+                     .if_halving_failed = "advice"});
+    try {
+      loop.next();
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fix().starts_with("advice"), smallest < 0.01) << error.fix();
+    }
+  }
+}
+
 // Three of the first four windows of a run were accepted unconverged. It goes on from a checkpoint.
 TEST(WindowLoop, CountsTheUnconvergedWindowsBeforeAResume) {
   Listener listener;
@@ -214,7 +234,7 @@ TEST(WindowLoop, CountsTheUnconvergedWindowsBeforeAResume) {
                    .output_every = 0,
                    .start = LoopState::from(archive),
                    .control = {.smallest = 0.03},
-                   .if_unconverged = "advice"});
+                   .if_halving_failed = "advice"});
   try {
     loop.next();
     FAIL();

@@ -1,11 +1,16 @@
+#include "coupler/plot/drawing.hpp"
+
 #include "coupler/plot/canvas.hpp"
 #include "coupler/plot/scene.hpp"
 #include "coupler/plot/ticks.hpp"
 
 #include <Eigen/Geometry>
+#include <cairo.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace strake {
 namespace {
@@ -130,6 +135,49 @@ TEST(Section, OfACubeIsASquareAndOfAFacetALine) {
   EXPECT_NEAR(area, 1, 1e-12);
   EXPECT_EQ(picture::section(p, facet, 0.5).size(), 2U);
   EXPECT_TRUE(picture::section(p, cube, 2).empty());
+}
+
+/// Counts the white pixels in a part of a picture.
+int white_pixels(std::string png, int left, int top, int right, int bottom) {
+  const auto read = [](void* rest, unsigned char* bytes, unsigned int length) {
+    auto& text = *static_cast<std::string*>(rest);
+    std::copy_n(text.begin(), length, bytes);
+    text.erase(0, length);
+    return CAIRO_STATUS_SUCCESS;
+  };
+  cairo_surface_t* image = cairo_image_surface_create_from_png_stream(read, &png);
+  int white = 0;
+  for (int y = top; y < bottom; ++y)
+    for (int x = left; x < right; ++x) {
+      const unsigned char* p =
+          cairo_image_surface_get_data(image) + y * cairo_image_surface_get_stride(image) + 4 * x;
+      white += p[0] == 255 && p[1] == 255 && p[2] == 255 ? 1 : 0;
+    }
+  cairo_surface_destroy(image);
+  return white;
+}
+
+// A floor, and a turned block of particles above it, at many sizes of a pixel.
+TEST(Drawing, ParticlesOfWallsAndTurnedBodiesLeaveNoGaps) {
+  picture::Scene scene;
+  scene.spacing = scene.solid_spacing = 0.01;
+  constexpr int n = 100;
+  for (int i = 0; i < n; ++i) scene.wall.push_back({{-0.495 + 0.01 * i, -0.505}, 0});
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  for (int i = -30; i <= 30; ++i)
+    for (int j = -30; j <= 30; ++j)
+      scene.solid.push_back({{0.01 * (c * i - s * j), 0.01 * (s * i + c * j)}, 0});
+  for (int width = 400; width < 960; width += 37) {
+    picture::DrawingOptions options;
+    options.width = width;
+    options.view = picture::View{-0.5, -0.51, 0.5, 0.5};
+    const std::string png = picture::draw(scene, options, picture::Canvas::Kind::png);
+    const double scale = width - 80;  // [px/m]
+    const auto x = [&](double at) { return static_cast<int>(62 + scale * (at + 0.5)); };
+    const auto y = [&](double at) { return static_cast<int>(58 + scale * (0.5 - at)); };
+    EXPECT_EQ(white_pixels(png, x(-0.49), y(-0.503), x(0.49), y(-0.505)), 0) << width;
+    EXPECT_EQ(white_pixels(png, x(-0.2), y(0.2), x(0.2), y(-0.2)), 0) << width;
+  }
 }
 
 TEST(Canvas, WritesWholeFilesOfEitherKind) {

@@ -51,6 +51,16 @@ TEST(Pace, CountsStepsParticlesAndMemory) {
   EXPECT_GT(pace_of(view)->seconds, pace->seconds) << "iterations";
 }
 
+TEST(Pace, CountsTheSetUpOfWaterInSpace) {
+  CaseView view = wedge();
+  view.value["fluid.dimension"] = "3";
+  view.common.end_time = view.common.window;  // a single step
+  const double above = pace_of(view)->seconds;
+  EXPECT_NEAR(above, 10500 * 1.7e-5, 0.01);
+  view.value["fluid.submerged"] = "true";
+  EXPECT_GT(pace_of(view)->seconds, 3 * above);
+}
+
 // 121 sub-steps in each of 100 windows: 10 000 particles of steel in the plane take 7 s an iteration.
 TEST(Pace, CountsTheSubStepsOfElasticParticles) {
   CaseView view = wedge();
