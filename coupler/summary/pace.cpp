@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace strake {
 namespace {
@@ -238,6 +239,13 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
   if (const double ratio = view.number("fluid.density").value_or(water) / water; is_far_off(ratio))
     lines.push_back(
         fmt::format("fluid.density = {:.3g} is {} that of water, 1000 kg/m^3", ratio * water, times(ratio)));
+  constexpr double degree = std::numbers::pi / 180;  // [rad]
+  if (const double deadrise = view.number("structure.wedge.deadrise").value_or(infinite);
+      deadrise < 90 * degree)
+    lines.push_back(
+        fmt::format("structure.wedge.deadrise = {:.3g} deg is nearly level: angles are in degrees, and "
+                    "{:.3g} rad are {:.3g}",
+                    deadrise, deadrise, deadrise / degree));
   if (!view.any_deforms()) return;
   constexpr double softest = 1e4, lightest = 20;  // [Pa] of a gel, [kg/m³] of a foam
   constexpr double rubber = 1e6, heavy = 2000;    // [Pa], [kg/m³]: what is heavier than rubber is a metal

@@ -161,6 +161,12 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   view.value["fluid.kinematic_viscosity"] = "5e-5";
   EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "an oil";
   view = wedge();
+  view.value["structure.wedge.deadrise"] = "0.5236";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5),
+                   "0.524 deg is nearly level: angles are in degrees, and 0.524 rad are 30"));
+  view.value["structure.wedge.deadrise"] = "2";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  view = wedge();
   view.structures.front().solver = "fem";
   view.value["structure.material.young"] = "2.1e5";
   view.value["structure.material.density"] = "7850";
