@@ -103,7 +103,8 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   check_sensors();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_size_[0]);
   for (std::string& line :
-       level_face_lines(parameters_, common.window, setup.partner_mesh, start_speeds_.entry))
+       level_face_lines(parameters_, common.window, setup.partner_mesh,
+                        parameters_.submerged ? 0 : std::max(start_speeds_.entry, common.chosen.by_table)))
     description_.lines.push_back(std::move(line));
   if (parameters_.air.layer) description_.lines.push_back(air_line());
   description_.columns = columns();

@@ -131,6 +131,18 @@ MotionTable::Jet MotionTable::evaluate(const Channel& channel, double t) const {
   return {value, first_derivative, (2 * second + 6 * s * third) / (h * h)};
 }
 
+double MotionTable::largest_speed(double until) const {
+  double largest = std::max(at(0).velocity.norm(), at(until).velocity.norm());
+  const auto look = [&](double t) {
+    if (t > 0 && t < until) largest = std::max(largest, at(t).velocity.norm());
+  };
+  for (std::size_t k = 0; k < time_.size(); ++k) {
+    look(time_[k]);
+    if (k > 0) look(0.5 * (time_[k - 1] + time_[k]));
+  }
+  return largest;
+}
+
 RigidMotion MotionTable::at(double t) const {
   RigidMotion motion;
   for (std::size_t c = 0; c < 3; ++c) {

@@ -37,8 +37,8 @@ std::vector<Sample> loaded_part(std::vector<Sample> samples, const Eigen::Vector
   return samples;
 }
 
-/// What the deflection of a rigid or replayed body is counted from. One that is free or driven by a table has
-/// no supports at a constant speed: its deflection is its displacement.
+/// What the deflection of a rigid or replayed body is counted from. One that is free, or replayed from a
+/// table, has no supports at a constant speed: its deflection is its displacement.
 Eigen::Vector3d support_velocity(const Parameters& p) {
   return p.free.any() || p.motion ? Eigen::Vector3d(0, 0, 0) : p.velocity;
 }

@@ -182,6 +182,10 @@ void print_summary(const Plan& plan, const Results& results) {
   }
   fmt::print("\n");
   print_table(rows);
+  if (std::any_of(plan.columns.begin(), plan.columns.end(),
+                  [](const Quantity& column) { return column.metric == "impulse"; }))
+    fmt::print(
+        "  impulse: of the first 300 us after contact; strake compare RUN RUN has that of whole records\n");
 }
 
 std::string percent(const std::optional<double>& part) {

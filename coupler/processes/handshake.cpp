@@ -102,7 +102,8 @@ void Participants::State::take_connection(Member& m, const std::string& peer) {
 }
 
 /// A participant that was frozen (or a coupler that was) has a new connection. What the old one lost is sent
-/// again.
+/// again. What it did not lose comes twice: an answer, which may be late and meet the next request, and a
+/// request, which is answered twice.
 void Participants::State::welcome_back(Member& m, const CouplerSocket::Message& message,
                                        std::uint64_t last_received) {
   const auto silence =
@@ -112,7 +113,7 @@ void Participants::State::welcome_back(Member& m, const CouplerSocket::Message& 
   m.connection.silent_since.reset();
   m.connection.silence_told = false;
   m.last_heard = Clock::now();
-  m.may_repeat = last_received;
+  m.may_repeat = m.sequence;
   if (!m.asked.empty() && !m.reply && last_received < m.sequence) socket.send(m.connection.peer, m.request);
 }
 

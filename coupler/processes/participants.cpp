@@ -83,7 +83,6 @@ void Participants::State::ask(Member& m, wire::Request request) {
   request.sequence = ++m.sequence;
   m.asked = wire::name_of(request);
   m.reply.reset();
-  m.may_repeat.reset();
   m.request = wire::encode(std::move(request));
   m.asked_at = m.last_heard = Clock::now();
   m.tell_after = options.deadlines.tell;
@@ -262,10 +261,8 @@ void Participants::State::answered(Member& m, wire::Reply reply) {
       where = with_place(where, m.name, m.place());
     throw Error(code, where, fault->problem, fault->fix);
   }
-  if (m.may_repeat == reply.sequence && reply.sequence != (m.asked.empty() ? 0 : m.sequence)) {
-    m.may_repeat.reset();
-    return;
-  }
+  const bool awaited = !m.asked.empty() && !m.reply && reply.sequence == m.sequence;
+  if (!awaited && reply.sequence > 0 && reply.sequence <= m.may_repeat) return;
   if (m.asked.empty() || m.reply)
     throw Error(ExitCode::participant_lost, m.place(),
                 fmt::format("sent {} without being asked", wire::name_of(reply)), m.see_log());

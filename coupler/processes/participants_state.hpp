@@ -91,7 +91,7 @@ struct Participants::Member {
   std::string asked;  // "Advance"; empty: idle
   wire::Parts request;
   std::optional<wire::Reply> reply;
-  std::optional<std::uint64_t> may_repeat;            // an answer that a new connection may bring twice
+  std::uint64_t may_repeat = 0;  // answers up to this one may come twice: a new connection repeats them
   Clock::time_point asked_at, last_heard, last_sign;  // of life: a connection that may be its next one
   struct Work {
     std::string doing;  // its last Working

@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace strake {
 namespace {
@@ -230,17 +231,40 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         fmt::format("fluid.gravity points up, {:.3g} m/s^2 along y: the water leaves the tank, which is "
                     "open above; [0, -9.81] points down",
                     gravity[1]));
+  constexpr double earth = 9.81;  // [m/s²]
+  if (const double g = norm_of(view, "fluid.gravity"); g >= far_off * earth)
+    lines.push_back(fmt::format("fluid.gravity of {:.3g} m/s^2 is {:.0f} times that of the earth, 9.81 m/s^2",
+                                g, g / earth));
+  constexpr double thin = 1e-6, thick = 500;  // [m²/s] of water; glycerine is near 1200 times as thick
+  if (const double ratio = view.number("fluid.kinematic_viscosity").value_or(thin) / thin; ratio >= thick)
+    lines.push_back(fmt::format(
+        "fluid.kinematic_viscosity = {:.3g} m^2/s is {:.3g} times that of water, 1e-6: 1 mm^2/s (cSt) "
+        "is 1e-6, and 1e-3 Pa s in water too",
+        ratio * thin, ratio));
   constexpr double water = 1000;  // [kg/m³]
   if (const double ratio = view.number("fluid.density").value_or(water) / water; is_far_off(ratio))
     lines.push_back(
         fmt::format("fluid.density = {:.3g} is {} that of water, 1000 kg/m^3", ratio * water, times(ratio)));
+  constexpr double degree = std::numbers::pi / 180;  // [rad]
+  if (const double deadrise = view.number("structure.wedge.deadrise").value_or(infinite);
+      deadrise < 90 * degree)
+    lines.push_back(
+        fmt::format("structure.wedge.deadrise = {:.3g} deg is nearly level: angles are in degrees, and "
+                    "{:.3g} rad are {:.3g}",
+                    deadrise, deadrise, deadrise / degree));
   if (!view.any_deforms()) return;
   constexpr double softest = 1e4, lightest = 20;  // [Pa] of a gel, [kg/m³] of a foam
+  constexpr double rubber = 1e6, heavy = 2000;    // [Pa], [kg/m³]: what is heavier than rubber is a metal
   const double young = view.number("structure.material.young").value_or(infinite),
                density = view.number("structure.material.density").value_or(infinite);
   if (young < softest)
     lines.push_back(
         fmt::format("structure.material.young = {:.3g} Pa is softer than a gel; 210 GPa are 2.1e11", young));
+  else if (young < rubber && density > heavy && std::isfinite(density))
+    lines.push_back(fmt::format(
+        "structure.material.young = {:.3g} Pa is softer than rubber, and {:.4g} kg/m^3 are those of a metal; "
+        "210 000 MPa are 2.1e11",
+        young, density));
   if (density < lightest)
     lines.push_back(fmt::format(
         "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));

@@ -134,6 +134,24 @@ void look_at_floor(const CaseView& view, const std::vector<BodyAtStart>& bodies,
       water - floor, floor));
 }
 
+/// A body that its constant speed drives to the floor of the tank before the run ends.
+void look_at_way(const CaseView& view, const BodyAtStart& body, std::vector<std::string>& lines) {
+  const auto& [name, mesh] = body;
+  const std::string table = table_of(view, name);
+  const std::vector<double> velocity = numbers_in(at_or(view.value, table + ".velocity"));
+  if (velocity.size() < 2 || !(velocity[1] < 0) || at_or(view.value, table + ".free.y") == "true" ||
+      is_given(view, "fluid.motion.file") ||
+      at_or(view.value, "fluid.periodic").find("\"y\"") != std::string::npos)
+    return;
+  const double floor = std::min(lowest_of(view, "fluid.tank"), lowest_of(view, "fluid.tank_polygon")),
+               reached = (floor - mesh->position.row(1).minCoeff()) / velocity[1];
+  if (!std::isfinite(floor) || !(reached > 0) || !(reached < view.common.end_time)) return;
+  lines.push_back(
+      fmt::format("{}.velocity drives the body to the floor of the tank at t = {:.3g} s: the run "
+                  "ends there, before end_time = {:.6g} s",
+                  table, reached, view.common.end_time));
+}
+
 }  // namespace
 
 std::string larger_than_ships(std::array<double, 3> lengths, int dimension, const std::string& body) {
@@ -154,6 +172,7 @@ std::vector<std::string> start_lines(const CaseView& view, const std::vector<Bod
     if (body.second->position.cols() == 0) continue;
     look_at_size(view, body, lines);
     look_at_inertia(view, body, lines);
+    look_at_way(view, body, lines);
   }
   look_at_tank_start(view, lines);
   look_at_floor(view, bodies, lines);

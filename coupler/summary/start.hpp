@@ -14,8 +14,8 @@ namespace strake {
 using BodyAtStart = std::pair<std::string, const InterfaceMesh*>;
 
 /// One line for each thing at t = 0 that is seldom meant. Looked at are a body larger than any ship, the
-/// mass and the centre of gravity of a free one, a tank that starts at full speed, and water that stands on
-/// nothing. No line without water of ours.
+/// mass and the centre of gravity of a free one, and a driven one that comes to the floor of the tank. So are
+/// a tank that starts at full speed, and water that stands on nothing. No line without water of ours.
 std::vector<std::string> start_lines(const CaseView&, const std::vector<BodyAtStart>&);
 
 /// "the body is 600 m long, larger than any ship"; empty for a smaller one. lengths: of the body along the

@@ -223,6 +223,11 @@ bool CaseFile::is_true(const std::string& path) const {
   const auto* flag = node == nullptr ? nullptr : node->as_boolean();
   return flag != nullptr && flag->get();
 }
+std::string CaseFile::text_at(const std::string& path) const {
+  const toml::node* node = document_->at(path);
+  return node == nullptr ? std::string() : node->value_or(std::string());
+}
+
 std::vector<double> CaseFile::numbers_at(const std::string& path) const {
   std::vector<double> numbers;
   std::vector<const toml::node*> rest{document_->at(path)};

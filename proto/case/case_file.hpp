@@ -114,6 +114,8 @@ class CaseFile {
   /// The finite numbers that stand at a key ("fluid.spacing", one; "fluid.water", its coordinates in order);
   /// empty if it is not given. Declares nothing, so a default may depend on keys that are read later.
   std::vector<double> numbers_at(const std::string& path) const;
+  /// The text that stands at a key; empty if there is none. Declares nothing.
+  std::string text_at(const std::string& path) const;
   bool has(const std::string& path) const;      // given in the file or by --set
   bool is_true(const std::string& path) const;  // given as true
   /// The names of [[structures]], several bodies in one water; empty for one [structure].

@@ -2,14 +2,18 @@
 
 #include "proto/case/case_file.hpp"
 #include "proto/case/case_keys.hpp"
+#include "proto/files/motion_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <system_error>
 
 namespace strake {
 namespace {
@@ -150,10 +154,25 @@ double speed_of_free_body(const CaseFile& file, double end_time, double speed, d
   return height > 0 ? std::min(fall, std::sqrt(speed * speed + 2 * g * height)) : fall;
 }
 
+/// Largest speed that structure.motion.file gives the body up to end_time [m/s]; 0 where there is none. With
+/// a tank that moves as well, the speed against the water is not known. The structure's own program refuses a
+/// table that cannot be read.
+double speed_by_table(const CaseFile& file, double end_time) {
+  const std::string name = file.text_at("structure.motion.file");
+  std::error_code ignored;
+  const std::filesystem::path path = file.folder() / name;
+  if (name.empty() || tank_moves(file) || !std::filesystem::is_regular_file(path, ignored)) return 0;
+  try {
+    return read_motion(path).largest_speed(end_time);
+  } catch (const Error&) {
+    return 0;
+  }
+}
+
 /// Speed of the body or of waves in the water [m/s].
-double speed_of(const CaseFile& file, const CommonKeys& keys, double g) {
-  double speed =
-      std::max(norm_of(file, "structure.velocity", 0), norm_of(file, "structure.initial_velocity.value", 0));
+double speed_of(const CaseFile& file, const CommonKeys& keys, double by_table, double g) {
+  double speed = std::max({norm_of(file, "structure.velocity", 0),
+                           norm_of(file, "structure.initial_velocity.value", 0), by_table});
   if (falls_free(file)) speed = speed_of_free_body(file, keys.end_time, speed, g);
   if (is_elastic(keys) || is_driven(file) || speed == 0)
     speed = std::max(speed, std::sqrt(g * depth_of(file)));
@@ -224,7 +243,8 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   WindowChoice choice;
   choice.level = may_fall_level(file, keys);
   const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
-  choice.speed = speed_of(file, keys, g);
+  choice.by_table = speed_by_table(file, keys.end_time);
+  choice.speed = speed_of(file, keys, choice.by_table, g);
   const std::string& solver = keys.structure_solver;
   const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";

@@ -13,6 +13,7 @@ struct WindowChoice {
   bool level = true;     // a level face may meet the water: its first pressure needs steps that resolve sound
   bool known = true;     // the flow is: otherwise the window is the usual one, and no measure of another
   double speed = 0;      // [m/s] of the body, or of waves in the water
+  double by_table = 0;   // [m/s] the largest that structure.motion.file gives the body
   std::string why;       // the bound that decided, in words
 };
 
@@ -32,11 +33,11 @@ struct WindowChoice {
 ///   output.every                if it is given
 ///
 /// rounded down to 1, 2, 2.5, 4 or 5 times a power of ten. U is the largest of the body's speed at t = 0, of
-/// that of a free body later, and, for elastic or driven bodies, of √(g H). A free body above the water gains
-/// g end_time, at most as much as a fall from the tank's top to its floor gives. One that stands in the water
-/// at the start (fluid.submerged) moves with the waves, U = √(g H) at most, or the speed that it was given.
-/// Water alone has no exchange; it takes end_time / 400. A given fluid.scheme.time_step is never longer than
-/// the window.
+/// that of a free body or of structure.motion.file later, and, for elastic or driven bodies, of √(g H). A
+/// free body above the water gains g end_time, at most as much as a fall from the tank's top to its floor
+/// gives. One that stands in the water at the start (fluid.submerged) moves with the waves, U = √(g H) at
+/// most, or the speed that it was given. Water alone has no exchange; it takes end_time / 400. A given
+/// fluid.scheme.time_step is never longer than the window.
 WindowChoice choose_window(const CaseFile&, const CommonKeys& keys);
 
 /// Rounds down to 1, 2, 2.5, 4 or 5 times a power of ten that divides `whole`. Where none of the next few

@@ -98,6 +98,11 @@ Eigen::Vector3d Rigid::velocity_at(const Eigen::Vector3d& X) const {
   return state_.body.velocity + state_.body.turn * state_.body.spin.cross(X - body_.centre());
 }
 
+std::optional<Eigen::Vector3d> Rigid::support_displacement(const Eigen::Vector3d& X) const {
+  if (!parameters_.motion || parameters_.free.any()) return std::nullopt;
+  return displacement_at(X);
+}
+
 Energy Rigid::energy() const {
   return {.kinetic = body_.kinetic_energy(state_.body), .strain = 0, .external = state_.body.work};
 }

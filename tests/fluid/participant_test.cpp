@@ -24,6 +24,20 @@ TEST(FluidParticipant, a_level_face_met_in_long_steps_gets_a_line) {
   EXPECT_FALSE(says({"fluid.sound_speed=inf"}));
 }
 
+TEST(FluidParticipant, a_level_face_that_a_table_drives_from_rest_gets_the_line_too) {
+  const auto says = [](const std::string& speed) {
+    const TemporaryFolder folder;
+    put(folder / "ramp.csv", "t [s],vy [m/s]\n0,0\n0.001," + speed + "\n");
+    const Case c({"structure.motion.file=" + (folder / "ramp.csv").string()});
+    strake::Setup setup = entering();
+    setup.partner_initial.back() = moving("velocity", {0, 0, 0});
+    const auto lines = FluidParticipant<2>(c.parameters, c.common, setup).description().lines;
+    return lines.back().find("a level face of 0.1 m") != std::string::npos;
+  };
+  EXPECT_TRUE(says("-2"));
+  EXPECT_FALSE(says("0"));
+}
+
 TEST(FluidParticipant, only_a_sensor_of_pressure_waits_for_contact) {
   const auto waits = [](const std::string& probe) {
     const Case c({}, probe);

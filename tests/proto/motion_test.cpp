@@ -83,6 +83,13 @@ TEST(MotionTable, ASpeedThatStopsDoesNotOvershootAndItsWayIsItsIntegral) {
   EXPECT_NEAR(table.at(2).displacement.y(), -6.6, 1e-12);  // symmetric ramp
 }
 
+TEST(MotionTable, ItsLargestSpeedIsThatUpToATime) {
+  const MotionTable table({0, 1, 2}, {rate, rate, absent, absent}, {{{0, 3, 0}, {0, -4, -8}, {}, {}}});
+  EXPECT_EQ(table.largest_speed(1), 5);
+  EXPECT_EQ(table.largest_speed(2), 8);
+  EXPECT_EQ(table.largest_speed(9), 8);
+}
+
 TEST(MotionTable, BeyondItsEndsItGoesOnWithTheSpeedThere) {
   const MotionTable table({1, 2}, {place, rate, absent, absent}, {{{0, 3}, {2, 4}, {}, {}}});
   EXPECT_NEAR(table.at(3).displacement.x(), 6, 1e-14);

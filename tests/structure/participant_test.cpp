@@ -62,6 +62,18 @@ TEST(StructureParticipant, DeflectionIsTheDisplacementLessThatOfTheSupports) {
   EXPECT_EQ(velocity.advance(window, {}).monitor.at("mid.y"), -6.26);
 }
 
+TEST(StructureParticipant, ARigidBodyDrivenByATableHasNoDeflection) {
+  constexpr MotionColumn rate = MotionColumn::rate, absent = MotionColumn::absent;
+  Parameters p = driven_plate();
+  p.velocity.setZero();
+  p.motion = MotionTable({0, 1}, {absent, rate, absent, absent}, {{{}, {-3, -3}, {}, {}}});
+  const Window window{0, 0.01};
+  StructureParticipant driven(std::make_unique<Rigid>(p), p, mid_probe("deflection"), {});
+  EXPECT_EQ(driven.advance(window, {}).monitor.at("mid.y"), 0);
+  StructureParticipant displacement(std::make_unique<Rigid>(p), p, mid_probe("displacement"), {});
+  EXPECT_NEAR(displacement.advance(window, {}).monitor.at("mid.y"), -0.03, 1e-15);
+}
+
 TEST(StructureParticipant, ProbesOfStressAreLeftOutWhereThereIsNone) {
   Parameters p = driven_plate();
   p.kind = "rigid";

@@ -154,6 +154,40 @@ TEST_F(Remote, AnAnswerAheadOfTheHelloOfANewConnectionIsNotHeldAgainstIt) {
   EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
 }
 
+TEST_F(Remote, AnAnswerThatANewConnectionRepeatsDoesNotMeetTheNextRequest) {
+  play(
+      [&](Script& s) {
+        s.join(participants().token());
+        s.hear<wire::Advance>();
+        const auto first = s.sequence();
+        s.say(force(1));
+        s.hear<wire::Advance>();
+        Script again(participants().endpoint(), "fluid");  // it has not read that request
+        again.say(first, wire::Hello{wire::protocol, "fluid", raw(participants().token()), "script", "1",
+                                     std::string(32, '\0')});
+        again.say(first, force(1));
+        s.leave();
+        again.hear<wire::Advance>();
+        again.say(first + 1, force(2));
+        again.hear<wire::Advance>();
+        again.say(first + 1, force(2));  // the request came over both connections
+        again.say(first, force(1));
+        again.say(first + 2, force(3));
+        again.hear<wire::Stop>();
+        again.say(wire::Done{});
+        while (!over_) std::this_thread::sleep_for(milliseconds(1));
+      },
+      [&] {
+        RemoteParticipant& fluid = participants().connect("fluid", {});
+        for (int k = 1; k <= 3; ++k) {
+          EXPECT_EQ(fluid.advance({0.1 * k, 0.1}, {}).output.at(0).value(0, 0), k);
+          fluid.commit(false);
+        }
+        participants().finish();
+      });
+  EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
+}
+
 TEST_F(Remote, NobodyTakesThePlaceOfOneWhoseConnectionStands) {
   play(
       [&](Script& s) {

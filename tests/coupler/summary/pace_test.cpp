@@ -163,6 +163,27 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "a speed of 5e+03 m/s"));
   EXPECT_FALSE(says(far_off_lines(view, 0.5), "first pressure of a level face")) << "its steps are short";
   view = wedge();
+  view.value["fluid.gravity"] = "[0, -9810, 0]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "9.81e+03 m/s^2 is 1000 times that of the earth"));
+  view = wedge();
+  view.value["fluid.kinematic_viscosity"] = "1";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "1 m^2/s is 1e+06 times that of water"));
+  view.value["fluid.kinematic_viscosity"] = "5e-5";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "an oil";
+  view = wedge();
+  view.value["structure.wedge.deadrise"] = "0.5236";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5),
+                   "0.524 deg is nearly level: angles are in degrees, and 0.524 rad are 30"));
+  view.value["structure.wedge.deadrise"] = "2";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  view = wedge();
+  view.structures.front().solver = "fem";
+  view.value["structure.material.young"] = "2.1e5";
+  view.value["structure.material.density"] = "7850";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "softer than rubber"));
+  view.value["structure.material.density"] = "1100";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "a soft rubber";
+  view = wedge();
   view.value["structure.material.young"] = "210";
   view.value["structure.material.density"] = "7.8";
   EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "a rigid body";

@@ -123,6 +123,18 @@ TEST(Resolution, FlatFacesNeedMoreSpacings) {
       says(resolution_lines(case_with(0.005, 0.012), steep.mesh, steep.velocity), "mean force to some 5 %"));
 }
 
+// 4 degrees: 2π 0.1/(0.165 tan β) = 54 spacings, and twice as many. A level face needs 12 and 30.
+TEST(Resolution, SlopesOfSomeDegreesNeedMoreSpacingsThanALevelFace) {
+  const Wedge flat(0.2, std::tan(std::numbers::pi / 45)), level(0.2, 0);
+  const auto lines = [&](const Wedge& wedge) {
+    return resolution_lines(case_with(0.005, 0.01), wedge.mesh, wedge.velocity);
+  };
+  EXPECT_TRUE(says(lines(flat),
+                   "40 spacings on half the wetted width of 0.2 m at the end: too few for forces: "
+                   "54 give some 15 %, 109 some 5 %"));
+  EXPECT_TRUE(says(lines(level), "mean force to some 5 %"));
+}
+
 // At the chines c = 0.25 m: δ = 0.25 tan² 15° / 2π = 2.86 mm, however long the run goes on.
 TEST(Resolution, CountsSpacingsThroughTheJetThatLeavesTheFace) {
   const Wedge wedge(0.25, std::tan(std::numbers::pi / 12));

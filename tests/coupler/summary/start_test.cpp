@@ -97,6 +97,19 @@ TEST(Start, AFreeBodyOfAnotherUnitOfMassIsSaid) {
   EXPECT_EQ(said(view, cube()), "") << "the surface is not closed";
 }
 
+TEST(Start, ABodyThatIsDrivenToTheFloorIsSaid) {
+  CaseView view = tank();
+  view.value["structure.velocity"] = "[0, -3, 0]";
+  view.common.end_time = 0.1;
+  EXPECT_EQ(said(view, square()), "");
+  view.common.end_time = 6;
+  EXPECT_EQ(said(view, square()),
+            "structure.velocity drives the body to the floor of the tank at t = 0.167 s: the run ends there, "
+            "before end_time = 6 s\n");
+  view.value["structure.free.y"] = "true";
+  EXPECT_EQ(said(view, square()), "") << "the water may stop it";
+}
+
 TEST(Start, ACentreOfGravityOutsideTheBodyIsSaid) {
   CaseView view = tank();
   view.value["structure.solver"] = "rigid";

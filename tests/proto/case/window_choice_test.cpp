@@ -4,6 +4,7 @@
 
 #include "proto/case/case_file.hpp"
 #include "proto/case/case_keys.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -132,6 +133,20 @@ TEST(WindowChoice, AFallEndsAtTheFloor) {
   EXPECT_NEAR(read_with(with(cylinder, {"end_time=20", "structure.velocity=[0,-5]"})).chosen.speed, 6.680,
               1e-3);
   EXPECT_NEAR(read_with(with(cylinder, {"end_time=0.1"})).chosen.speed, 0.981, 1e-3);
+}
+
+// A ramp from rest to 10 m/s: the section moves as fast as one that structure.velocity drives.
+TEST(WindowChoice, FollowsATableOfMotion) {
+  const TemporaryFolder folder;
+  put(folder / "ramp.csv", "t [s],vy [m/s]\n0,0\n0.001,-10\n0.1,-10\n");
+  const Sets section = {"structure.solver=rigid", "structure.offsets=hull.csv",
+                        "structure.motion.file=" + (folder / "ramp.csv").string()};
+  EXPECT_EQ(read_with(section).chosen.speed, 10);
+  EXPECT_EQ(window_with(section), 5e-5) << "0.05 l0/V";
+  EXPECT_NEAR(read_with(with(section, {"fluid.motion.roll=3"})).chosen.speed, 2.215, 1e-3)
+      << "the tank moves too";
+  put(folder / "ramp.csv", "t [s]\n0,0\n");
+  EXPECT_NEAR(read_with(section).chosen.speed, 2.215, 1e-3) << "the structure's program refuses the table";
 }
 
 TEST(WindowChoice, FollowsTheStructure) {
