@@ -76,7 +76,7 @@ TEST(Archive, ValuesMadeOneByOneGiveTheSameBytes) {
 }
 
 /// A line of /proc/self/status [bytes].
-double status(const std::string& name) {
+[[maybe_unused]] double status(const std::string& name) {
   std::ifstream file("/proc/self/status");
   std::string word;
   double value = 0;
