@@ -1,4 +1,5 @@
 #include "proto/case/case_document.hpp"
+#include "proto/files/whole_file.hpp"
 
 #include <sodium.h>
 

@@ -70,4 +70,17 @@ bool Pieces::more_than_one(const std::vector<Eigen::Index>& pieces) {
   return false;
 }
 
+void Joint::add(Eigen::Index piece, Eigen::Index other, const Eigen::Vector3d& place) {
+  if (piece < 0 || other < 0 || piece == other) return;
+  const std::pair<Eigen::Index, Eigen::Index> both = std::minmax(piece, other);
+  if (count_ == 0) pieces_ = both;
+  if (both != pieces_) return;
+  sum_ += place;
+  ++count_;
+}
+
+Eigen::Vector3d Joint::middle_or(const Eigen::Vector3d& if_none) const {
+  return count_ > 0 ? Eigen::Vector3d(sum_ / count_) : if_none;
+}
+
 }  // namespace strake::structure

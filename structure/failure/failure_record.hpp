@@ -6,6 +6,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace strake::structure {
@@ -39,6 +40,20 @@ class Pieces {
  private:
   Eigen::Index root(Eigen::Index);
   std::vector<Eigen::Index> parent_;
+};
+
+/// The place of a parting: the middle of what joined two large pieces, the first two it is told of. A body
+/// that parts at both ends at once falls into three, and the middle of both joints would lie on neither.
+class Joint {
+ public:
+  /// A bond or a cell that joined these pieces; none if they are one, or if one of them is debris.
+  void add(Eigen::Index piece, Eigen::Index other, const Eigen::Vector3d& place);
+  Eigen::Vector3d middle_or(const Eigen::Vector3d& if_none) const;
+
+ private:
+  std::pair<Eigen::Index, Eigen::Index> pieces_;
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
+  double count_ = 0;
 };
 
 }  // namespace strake::structure

@@ -218,17 +218,12 @@ void Failure<dim>::note(double time, State& state) const {
   if (!record.start.happened()) record.start = record.crack;
   const std::vector<Eigen::Index> piece = pieces.large();
   if (!Pieces::more_than_one(piece)) return;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of the bonds that joined two of them
-  double count = 0;
+  Joint joint;
   for (Eigen::Index i = 0; i < bonds_.size(); ++i)
-    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b) {
-      const Eigen::Index mine = piece[static_cast<std::size_t>(i)],
-                         other = piece[static_cast<std::size_t>(bonds_.to(b))];
-      if (mine < 0 || other < 0 || mine == other) continue;
-      sum += lattice_.place(i);
-      ++count;
-    }
-  record.parted = {time, count > 0 ? Eigen::Vector3d(sum / count) : record.crack.at};
+    for (Eigen::Index b = bonds_.first(i); b < bonds_.end(i); ++b)
+      joint.add(piece[static_cast<std::size_t>(i)], piece[static_cast<std::size_t>(bonds_.to(b))],
+                lattice_.place(i));
+  record.parted = {time, joint.middle_or(record.crack.at)};
 }
 
 template <int dim>

@@ -13,9 +13,11 @@ inline double ligament(int layers) {
 
 /// A bar 20 mm long and high (E 2 GPa, ρ 1000) between two blocks. They are a hundred times as heavy and
 /// stiff, and draw it apart at a speed that hardly changes. Two layers in its middle are notched by two
-/// particles on either side.
-inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double poisson = 0.3) {
+/// particles on either side. In space all of it is 20 mm deep.
+inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double poisson = 0.3,
+                             int dimension = 2) {
   Parameters p;
+  p.dimension = dimension;
   p.kind = "particle";
   p.shape.kind = ShapeKind::solid;
   p.material.young = 2e9;
@@ -24,21 +26,23 @@ inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double 
   Material heavy = p.material;
   heavy.young *= 100;
   heavy.density *= 100;
-  const auto box = [](const char* name, double x0, double x1, double y0, double y1,
-                      const Material& material) {
+  const double depth = dimension == 3 ? 0.02 : 0;
+  const auto box = [depth](const char* name, double x0, double x1, double y0, double y1,
+                           const Material& material) {
     SolidBox b;
     b.name = name;
     b.min << x0, y0, 0;
-    b.max << x1, y1, 0;
+    b.max << x1, y1, depth;
     b.material = material;
     return b;
   };
   const double d = 0.02 / layers;
   p.solid = solid_of_boxes(
-      2, {box("left", -0.02, 0, -0.01, 0.03, heavy), box("near", 0, 0.01 - d, 0, 0.02, p.material),
-          box("notch", 0.01 - d, 0.01 + d, 2 * d, 0.02 - 2 * d, p.material),
-          box("far", 0.01 + d, 0.02, 0, 0.02, p.material), box("right", 0.02, 0.04, -0.01, 0.03, heavy)});
-  p.shape.corner = outer_polygons(p.solid).front();
+      dimension,
+      {box("left", -0.02, 0, -0.01, 0.03, heavy), box("near", 0, 0.01 - d, 0, 0.02, p.material),
+       box("notch", 0.01 - d, 0.01 + d, 2 * d, 0.02 - 2 * d, p.material),
+       box("far", 0.01 + d, 0.02, 0, 0.02, p.material), box("right", 0.02, 0.04, -0.01, 0.03, heavy)});
+  if (dimension == 2) p.shape.corner = outer_polygons(p.solid).front();
   p.particle.spacing = d;
   p.surface_spacing = 0.005;
   p.failure.criterion = criterion;
@@ -54,8 +58,9 @@ inline Parameters pulled_bar(FailureCriterion criterion, int layers = 8, double 
 }
 
 /// The blocks fly apart, each with this speed [m/s], and the bar stretches evenly between them.
-inline void pull_apart(ParticleSolver<2>& solver, double speed) {
-  Vectors<2> v = Vectors<2>::Zero(2, solver.lattice().size());
+template <int dim>
+void pull_apart(ParticleSolver<dim>& solver, double speed) {
+  Vectors<dim> v = Vectors<dim>::Zero(dim, solver.lattice().size());
   for (Eigen::Index i = 0; i < v.cols(); ++i)
     v(0, i) = speed * std::clamp(100 * solver.lattice().position(0, i) - 1, -1.0, 1.0);
   solver.set_velocity(v);

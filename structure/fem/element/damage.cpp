@@ -12,7 +12,7 @@ namespace strake::structure::fem {
 namespace {
 
 /// Whether the cells that are not eroded have parted into large pieces, and the middle of the eroded ones
-/// between them. Cells are the columns that note_parting makes.
+/// between two of them. Cells are the columns that note_parting makes.
 Eigen::Vector4d parting(const Eigen::MatrixXd& cells, Eigen::Index n_nodes) {
   const auto eroded = [&](Eigen::Index c) { return cells(1, c) != 0; };
   const auto node = [&](Eigen::Index a, Eigen::Index c) {
@@ -24,19 +24,20 @@ Eigen::Vector4d parting(const Eigen::MatrixXd& cells, Eigen::Index n_nodes) {
       for (Eigen::Index a = 1; a < cells.rows() - 5; ++a) pieces.join(node(0, c), node(a, c));
   const std::vector<Eigen::Index> piece = pieces.large();
   if (!Pieces::more_than_one(piece)) return Eigen::Vector4d::Zero();
-  Eigen::Vector3d between = Eigen::Vector3d::Zero(), all = between;  // middles of eroded cells
-  double count = 0;
+  Joint joint;
+  Eigen::Vector3d all = Eigen::Vector3d::Zero();  // middle of all eroded cells
   for (Eigen::Index c = 0; c < cells.cols(); ++c) {
     if (!eroded(c)) continue;
     all += cells.col(c).segment<3>(2) / cells.row(1).sum();
-    std::vector<Eigen::Index> here;
+    std::vector<Eigen::Index> here;  // pieces at its nodes
     for (Eigen::Index a = 0; a < cells.rows() - 5; ++a)
-      here.push_back(piece[static_cast<std::size_t>(node(a, c))]);
-    if (!Pieces::more_than_one(here)) continue;
-    between += cells.col(c).segment<3>(2);
-    ++count;
+      if (const Eigen::Index of_node = piece[static_cast<std::size_t>(node(a, c))]; of_node >= 0)
+        here.push_back(of_node);
+    if (here.empty()) continue;
+    const auto [least, most] = std::minmax_element(here.begin(), here.end());
+    joint.add(*least, *most, cells.col(c).segment<3>(2));
   }
-  return (Eigen::Vector4d() << 1, count > 0 ? Eigen::Vector3d(between / count) : all).finished();
+  return (Eigen::Vector4d() << 1, joint.middle_or(all)).finished();
 }
 
 }  // namespace

@@ -14,13 +14,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -180,37 +180,45 @@ TEST_F(Listener, ANameWithoutAFileIsTakenOnce) {
   }
 }
 
-/// How many of eight runs that start at once get the path.
+/// How many of eight runs that start at once get the path. Who has it keeps it until all have tried.
 int winners(const std::string& path) {
   constexpr int runs = 8;
-  int start[2];
-  if (pipe(start) != 0) return -1;
+  int start[2], tried[2], end[2];
+  if (pipe(start) != 0 || pipe(tried) != 0 || pipe(end) != 0) return -1;
+  const auto wait_for_close = [](int pipe_end) {
+    char byte = 0;
+    return read(pipe_end, &byte, 1) == 0;
+  };
   std::vector<pid_t> children;
   for (int i = 0; i < runs; ++i)
     if (const pid_t child = fork(); child == 0) {
-      char byte = 0;
+      alarm(60);
       close(start[1]);
-      [[maybe_unused]] ssize_t n = read(start[0], &byte, 1);  // the end of the pipe: for all at once
-      bool won = true;
+      close(end[1]);
+      bool won = wait_for_close(start[0]);
+      std::unique_ptr<UnixListener> listener;
       try {
-        const UnixListener listener(path);
-        alarm(10);
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));  // all others have tried
+        listener = std::make_unique<UnixListener>(path);
       } catch (const Error&) {
         won = false;
       }
+      close(tried[1]);
+      if (won) won = wait_for_close(end[0]);
+      listener.reset();
       _exit(won ? 0 : 1);
     } else {
       children.push_back(child);
     }
-  for (int fd : start) close(fd);
+  for (int fd : {start[0], start[1], tried[1]}) close(fd);
+  const bool all_tried = wait_for_close(tried[0]);
+  for (int fd : {tried[0], end[0], end[1]}) close(fd);
   int won = 0;
   for (const pid_t child : children) {
     int status = 0;
     waitpid(child, &status, 0);
     won += status == 0 ? 1 : 0;
   }
-  return won;
+  return all_tried ? won : -1;
 }
 
 TEST_F(Listener, OfRunsThatStartAtOnceOneGetsThePath) {

@@ -76,7 +76,7 @@ TEST(Archive, ValuesMadeOneByOneGiveTheSameBytes) {
 }
 
 /// A line of /proc/self/status [bytes].
-double status(const std::string& name) {
+[[maybe_unused]] double status(const std::string& name) {
   std::ifstream file("/proc/self/status");
   std::string word;
   double value = 0;
@@ -89,9 +89,9 @@ double status(const std::string& name) {
 /// not tell.
 template <class Call>
 std::optional<double> peak_of(Call&& call) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef STRAKE_SANITIZED
   call();
-  return std::nullopt;  // they keep what is freed
+  return std::nullopt;  // sanitizers keep what is freed
 #else
   std::ofstream clear("/proc/self/clear_refs");
   if (!(clear << "5" << std::flush)) return std::nullopt;  // sets the peak to what is in use

@@ -1,4 +1,5 @@
 #include "proto/error.hpp"
+#include "structure/fem/element/damage.hpp"
 #include "structure/fem/solver.hpp"
 #include "tests/structure/notched_cells.hpp"
 
@@ -79,6 +80,24 @@ TEST(FemFailure, ACrackAlongLeaningCellsTakesItsFractureEnergy) {
       EXPECT_NEAR(solver.energy().released / (100 * notched_ligament) / cracks, 1, 0.10)
           << "degree " << degree << (in_line ? ", in line" : ", above one another");
     }
+}
+
+// A column of cells in either block is drawn open.
+TEST(FemFailure, ABodyThatPartsInTwoPlacesAtOnceTellsOneOfThem) {
+  const Parameters p = bar(8);
+  const FemSolver<2> solver(p);
+  const Mesh<2>& mesh = solver.mesh();
+  const Assembly<2> assembly(mesh, p.solid.parts);
+  const Damage<2> damage(p.failure, mesh, assembly);
+  auto state = damage.intact();
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(mesh.n_unknowns());
+  for (int i = 0; i < mesh.n_nodes(); ++i)
+    u(2 * i) = 2.5e-3 * ((mesh.node(0, i) > 0.029) - (mesh.node(0, i) < -0.009));
+  ASSERT_TRUE(damage.look(u, 1, state));
+  EXPECT_EQ(state.eroded, 16);
+  EXPECT_NEAR(state.record.parted.at.x(), -0.00875, 1e-12)
+      << "the first of the two, not the middle of the bar";
+  EXPECT_NEAR(state.record.parted.at.y(), 0.01, 1e-12);
 }
 
 TEST(FemFailure, DamageIsRewoundAndResumedBitEqual) {
