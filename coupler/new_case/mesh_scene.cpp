@@ -156,7 +156,9 @@ NewScene mesh_scene(const NewAnswers& answers) {
   s.warning = size_warning({wide_x, height, wide_z}, s.dimension, scale);
   const double gap = rigid_gap * s.spacing;
   move_to(mesh, gap, s);
-  s.end_time = (gap + 0.5 * std::min(height, 0.5 * width)) / speed;
+  // A blade would come to the floor before half its height is in the water.
+  const double way = std::min(0.5 * std::min(height, 0.5 * width), 0.8 * (s.surface - s.bottom));
+  s.end_time = (gap + way) / speed;
   s.end_reason = "the body is deep in the water";
   CaseLines lines = rigid_body(answers, s.dimension);
   lines.text("mesh", answers.mesh_text, "file of the body, from this file's folder on");
