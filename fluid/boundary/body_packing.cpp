@@ -248,6 +248,15 @@ bool beside_open_side(const Parameters& p, const Boundary<dim>& boundary, const 
   return false;
 }
 
+/// Whether the face of that wet point reaches under the level, within the distance along the face in which
+/// `WallContact` looks for water. Faces that lean over the water do not.
+template <int dim>
+static bool reaches_water(const Parameters& p, const Boundary<dim>& boundary, int point) {
+  const Vector<dim> n = boundary.body_surface().normal(point);
+  const double steepness = std::sqrt(std::max(0.0, 1 - n[1] * n[1]));  // sine of the face's slope
+  return boundary.body_surface().point(point)[1] - p.spacing * steepness <= p.water.max[1];
+}
+
 template <int dim>
 void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim>& state) {
   state.surface.assign(state.kind.size(), 1);
@@ -259,7 +268,9 @@ void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim
   const std::int64_t bodies = boundary.first_of_bodies();
   for (std::int64_t i = boundary.water(); i < (packed ? state.position.cols() : bodies); ++i) {
     const bool corner = i < bodies && !(boundary.normal_of(i).squaredNorm() > 0);
-    if (boundary.master_of(i) < 0 && !(corner && on_lattice)) state.surface[static_cast<std::size_t>(i)] = 0;
+    if (boundary.master_of(i) >= 0 || (corner && on_lattice)) continue;
+    if (i >= bodies && !reaches_water(p, boundary, boundary.point_of(i))) continue;
+    state.surface[static_cast<std::size_t>(i)] = 0;
   }
   if (!packed || p.gravity_ramp > 0) return;
   const double slope = -p.density * p.gravity[1];

@@ -53,6 +53,9 @@ struct LeastSquaresConstants {
   double film_begins = 0.58;  // [-] ratio of B's eigenvalues below which φ > 0; a first row has 0.59. Chosen
   double film_counts = 0.5;   // [-] the same for φ = 1. Chosen
 
+  // Lack of water beside a body that stood in it (F88).
+  double lack = 0.03;  // [-] δ_m, the lack that counts most. Chosen; 0.02 and 0.05: the same hull at rest
+
   // Residual, filter and shifting (F45), (F48), (F49).
   double memory_rate = 0.2;    // [-] how fast τ_r falls, against Δt/τ_r. Chosen
   double filter_bound = 0.25;  // [-] part of δ that a step removes at most. Chosen

@@ -23,7 +23,6 @@ void LeastSquaresScheme<dim>::note_start(const Boundary<dim>& boundary, const St
     start_.deviation[id] = static_cast<float>(volume_deviation(i));
     if (depth_of(boundary, x) < least_squares_constants().inner_depth * p_.spacing) continue;
     if (beside_open_side<dim>(p_, boundary, x, laplacian_.radius)) continue;
-    start_.deviation[id] = static_cast<float>(moments_.volume[i] / lattice_.volume - 1);
     const auto columns = far.row(i);
     const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
     Vector<dim> opening = Vector<dim>::Zero();

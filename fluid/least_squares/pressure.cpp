@@ -38,6 +38,27 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
   system.right.setZero();
 }
 
+/// Computes what of particle i's δ counts in (F40), less what water that starts packed had at the start.
+/// Too much water counts in full. A lack of it does not beside the surface (σ > 0); in water with a body that
+/// stood in it (F88)
+///   δ' = (1−σ) δ/(1 + (δ/δ_m)²) .
+/// Drift inside the water leaves lacks of some percent. A larger one is air: between the water and a hull
+/// that leans over it, which no pressure may pull in.
+template <int dim>
+double LeastSquaresScheme<dim>::counted_deviation(const Boundary<dim>& boundary, const State<dim>& state,
+                                                  std::int64_t i) const {
+  const double share = surface_.share[i];
+  const auto counted = [&](double deviation) {
+    if (deviation >= 0) return deviation;
+    if (!p_.submerged) return share > 0 ? 0.0 : deviation;
+    const double part = deviation / least_squares_constants().lack;
+    return (1 - share) * deviation / (1 + part * part);
+  };
+  const double now = counted(volume_deviation(i)),
+               started = starts_packed() ? start_share(boundary, state, i) : 0;
+  return started > 0 ? now - started * counted(start_.deviation[state.id[static_cast<std::size_t>(i)]]) : now;
+}
+
 /// Assembles row i of (F40), with the sign of PressureSystem and s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²ΔtΔt_p)
 ///     + (Σ_layers w (−n·P r) + s g)/(cΔt_p) (p_i − p_still)
@@ -78,9 +99,7 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
       sheet = scale * sound_.yields(depth) / (c * projection);
     }
     const double absorption = sound * wall.absorption + sheet;  // Y_i
-    double deviation = volume_deviation(i);
-    if (const double started = starts_packed() ? start_share(boundary, state, i) : 0; started > 0)
-      deviation -= started * start_.deviation[state.id[static_cast<std::size_t>(i)]];
+    double deviation = counted_deviation(boundary, state, i);
     const double share = surface_.share[i], own = local + absorption;
     if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
     equation_.own[i] = static_cast<float>(own);

@@ -160,6 +160,10 @@ void LeastSquaresScheme<dim>::limit_pressure(StepData<dim>& step, bool tension) 
   ranks_.update(step.state.pressure);
   limit_film(step.state, step.near_gradient());
   ranks_.update(step.state.pressure);
+  if (p_.submerged) {
+    limit_at_corners(step.boundary, step.state, step.near_gradient());
+    ranks_.update(step.state.pressure);
+  }
   limit_at_surface(step.boundary, step.state, step.near_gradient());
   ranks_.update(step.state.pressure);
 }

@@ -83,6 +83,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Limits the pressure at the free surface, away from walls, to that of the inner water near by. A harmonic
   /// pressure has no maximum there. A drop or a film in flight gets p = 0.
   void limit_at_surface(const Boundary<dim>&, State<dim>&, const Neighbours& near);
+  /// Limits the pressure at sharp corners under water to what the water around hands on (F89).
+  void limit_at_corners(const Boundary<dim>&, State<dim>&, const Neighbours& near);
   /// Limits negative pressure (F46), and from then on how much a face pulls (EquationTerms::tension).
   void limit_tension(const Boundary<dim>&, State<dim>&, const Neighbours& far);
   /// ∇p of the water [Pa/m] (F47).
@@ -340,11 +342,9 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   WallTerms wall_terms(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i) const;
 
   // Pressure.
-  /// δ of particle i (F40): not below zero beside the surface.
-  double volume_deviation(std::int64_t i) const {
-    const double deviation = moments_.volume[i] / lattice_.volume - 1;
-    return surface_.share[i] > 0 ? std::max(deviation, 0.0) : deviation;
-  }
+  /// δ of particle i (F40).
+  double volume_deviation(std::int64_t i) const { return moments_.volume[i] / lattice_.volume - 1; }
+  double counted_deviation(const Boundary<dim>&, const State<dim>&, std::int64_t i) const;
   void begin_projection(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near,
                         double dt);
   void note_acceleration(const Boundary<dim>&, State<dim>&) const;

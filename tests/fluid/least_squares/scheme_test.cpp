@@ -100,6 +100,30 @@ TEST(LeastSquaresScheme, PressureGradientOfStillWaterCarriesItsWeightAtWallsAndS
   }
 }
 
+TEST(LeastSquaresScheme, PressureAtASharpCornerUnderWaterIsAtMostThatOfTheWaterAround) {
+  Parameters p = incompressible(0.01);
+  p.submerged = true;
+  Column column(p, 0, rectangle(-0.03, -0.08, 0.06, 0.04, 0.01));
+  PressureSystem system;
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
+                         system);
+  const auto nearest = [&](const Vector<2>& place) {
+    std::int64_t best = 0;
+    for (std::int64_t i = 0; i < column.boundary.water(); ++i)
+      if ((column.state.position.col(i) - place).norm() < (column.state.position.col(best) - place).norm())
+        best = i;
+    return best;
+  };
+  const std::int64_t corner = nearest({-0.035, -0.085}), before_face = nearest({0.005, -0.085}),
+                     away = nearest({0.075, -0.085});
+  for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
+  for (const std::int64_t i : {corner, before_face, away}) column.state.pressure[i] *= 5;
+  column.scheme.limit_at_corners(column.boundary, column.state, column.near());
+  EXPECT_NEAR(column.state.pressure[corner], column.hydrostatic(corner), 1e-9 * column.hydrostatic(corner));
+  for (const std::int64_t i : {before_face, away})
+    EXPECT_EQ(column.state.pressure[i], 5 * column.hydrostatic(i));
+}
+
 TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
   Column column(incompressible(0.01), 0.15);
   for (std::int64_t i = 0; i < column.boundary.water(); ++i) column.state.pressure[i] = column.hydrostatic(i);
