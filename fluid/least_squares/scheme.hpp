@@ -290,8 +290,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return state.face_lag[i] * walls_.normal(j);
   }
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87).
-  double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer) const;
+  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87), 1.
+  /// from_layer: from j to i [m]; height: of i over the face [m].
+  double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer,
+                  double height) const;
   /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean
   /// over the particles over the face. Within 0.5 l0 of the end the two are blended.
   Vector<dim> relative_wall_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
