@@ -15,14 +15,7 @@ namespace strake::structure::fem {
 namespace {
 
 Parameters of(int dimension, const std::vector<SolidBox>& boxes, int refinement = 1) {
-  Parameters p;
-  p.dimension = dimension;
-  p.shape.kind = ShapeKind::solid;
-  p.solid = solid_of_boxes(dimension, boxes);
-  if (dimension == 2) p.shape.corner = outer_polygons(p.solid).front();
-  p.fem.refinement = refinement;
-  p.surface_spacing = 0.05;
-  return p;
+  return body_of_boxes(dimension, boxes, refinement, 0.05);
 }
 
 TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
