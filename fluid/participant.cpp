@@ -90,16 +90,16 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
       start_speeds_{.entry = parameters.submerged ? 0 : largest_speed(setup, parameters.motion),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
-      has_body_(simulation_.interface().position.cols() > 0),
+      on_body_(sensors_on_body()),
       output_every_(common.output_every),
       end_time_(common.end_time),
       initial_volume_(volume()),
-      sends_history_(setup.history && has_body_) {
+      sends_history_(setup.history && has_body()) {
   // Sensors of a body that enters are measured from its contact, all others from the first step
   // (cases/VALIDATION.md, "Definitions").
-  for (const ProbeKeys& probe : parameters_.probes)
+  for (const char on_body : on_body_)
     measurements_.probes.push_back(
-        is_on_body(probe) && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+        on_body != 0 && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
   description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_size_[0]);
   for (std::string& line :
@@ -143,14 +143,14 @@ template <int dim>
 void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   write_first_frame();
   const State<dim>& state = simulation_.state();
-  const bool volume = parameters_.interface == "volume" && has_body_;
+  const bool volume = parameters_.interface == "volume" && has_body();
   const Points displacement = in_space<dim>(state.interface_displacement),
                velocity = in_space<dim>(state.interface_velocity);
   // In volume coupling the structure's particles get place and velocity at the start of the window. The fluid
   // then moves them. In surface coupling the motion leads to the end of the window.
   std::optional<WindowMotion> motion;
   InterfaceMotion held;
-  if (has_body_) {
+  if (has_body()) {
     motion.emplace(window, input.samples, displacement, velocity);
     if (volume) {
       held = motion->step(window.t, window.t + window.dt);  // checked: the sample's own values
@@ -220,13 +220,13 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
     const double value = pressure_or_place(probe, position, particles);
-    contact = contact || (value > threshold && is_on_body(probe));
+    contact = contact || (value > threshold && on_body_[i] != 0);
     records[i].add(t0, t1, value);
   }
   if (!contact || start_speeds_.entry == 0 || measurements_.contact_time >= 0) return;
   measurements_.contact_time = t0;
   for (std::size_t i = 0; i < records.size(); ++i)
-    if (is_on_body(parameters_.probes[i])) records[i].contact(t0);
+    if (on_body_[i] != 0) records[i].contact(t0);
 }
 
 template <int dim>
@@ -258,14 +258,14 @@ bool FluidParticipant<dim>::frame_due(const Window& window) const {
 template <int dim>
 Advanced FluidParticipant<dim>::finish() {
   Advanced result;
-  if (has_body_) result.output.push_back({"force", "N", true, force_});
+  if (has_body()) result.output.push_back({"force", "N", true, force_});
   result.history = history_;
   auto& monitor = result.monitor;
   report_sensors(monitor);
   report_accounts(monitor);
   report_water(monitor);
   watch_accounts(monitor);
-  if (!has_body_) monitor["floor.y"] = floor_[1];
+  if (!has_body()) monitor["floor.y"] = floor_[1];
   monitor["cfl"] = cfl_;
   monitor["pressure_iterations"] = pressure_iterations_;
   for (const auto& [stage, seconds] : simulation_.seconds()) monitor["seconds." + stage] = seconds;

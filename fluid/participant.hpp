@@ -54,7 +54,8 @@ class FluidParticipant final : public Participant {
   void flush() override;
 
  private:
-  bool is_on_body(const ProbeKeys&) const;
+  std::vector<char> sensors_on_body() const;
+  bool has_body() const { return mesh().position.cols() > 0; }
   void check_sensors() const;
   void check_air_probe(const ProbeKeys&) const;
   std::string air_line() const;
@@ -98,7 +99,7 @@ class FluidParticipant final : public Participant {
     double water;  // that the case gives the water; 0: it starts with the tank
   };
   StartSpeeds start_speeds_;
-  bool has_body_;
+  std::vector<char> on_body_;       // of each probe: whether it is a sensor that covers a point of the body
   double output_every_, end_time_;  // [s]
   double initial_volume_;           // of the water [m², m³ in 3-D]
   Description description_;

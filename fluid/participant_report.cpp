@@ -67,18 +67,22 @@ double to_body(const InterfaceMesh& body, const ProbeKeys& probe) {
 
 }  // namespace
 
-/// Whether a probe is a sensor that covers a point of the body.
+/// Returns for each probe whether it is a sensor that covers a point of the body at the start.
 template <int dim>
-bool FluidParticipant<dim>::is_on_body(const ProbeKeys& probe) const {
-  return is_sensor(probe) && to_body(mesh(), probe) <= 0.5 * probe.diameter;
+std::vector<char> FluidParticipant<dim>::sensors_on_body() const {
+  std::vector<char> on_body;
+  for (const ProbeKeys& probe : parameters_.probes)
+    on_body.push_back(is_sensor(probe) && to_body(mesh(), probe) <= 0.5 * probe.diameter);
+  return on_body;
 }
 
 /// Refuses a sensor that covers no point, since its value would always be zero.
 template <int dim>
 void FluidParticipant<dim>::check_sensors() const {
-  for (const ProbeKeys& probe : parameters_.probes) {
+  for (std::size_t i = 0; i < on_body_.size(); ++i) {
+    const ProbeKeys& probe = parameters_.probes[i];
     if (is_of_air(probe)) check_air_probe(probe);
-    if (!is_sensor(probe) || is_on_body(probe)) continue;
+    if (!is_sensor(probe) || on_body_[i] != 0) continue;
     // To the middle of the nearest wall particle's face, at worst.
     const double to_walls = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>())) +
                             0.5 * parameters_.spacing;
@@ -89,12 +93,12 @@ void FluidParticipant<dim>::check_sensors() const {
                     "walls: the "
                     "nearest is {:.3g} m away",
                     probe.at[0], probe.at[1], dim == 3 ? fmt::format(", {:.6g}", probe.at[2]) : "",
-                    probe.diameter, has_body_ ? "body or the " : "",
+                    probe.diameter, has_body() ? "body or the " : "",
                     std::min(to_walls, to_body(mesh(), probe))),
         fmt::format(
             "place it on {} of the tank, or enlarge its diameter; the pressure inside the water stands "
             "in the frames (output.every)",
-            has_body_ ? "the body's surface or a wall" : "a wall"));
+            has_body() ? "the body's surface or a wall" : "a wall"));
   }
 }
 
@@ -109,7 +113,7 @@ std::vector<Column> FluidParticipant<dim>::columns() const {
     for (const char* suffix : {"", ".min", ".max", ".mean"}) columns.push_back({probe.name + suffix, "Pa"});
     columns.push_back({probe.name + ".impulse", "Pa s"});
   }
-  if (!has_body_) columns.push_back({"floor.y", dim == 2 ? "N/m" : "N"});
+  if (!has_body()) columns.push_back({"floor.y", dim == 2 ? "N/m" : "N"});
   columns.push_back({"cfl", "1"});
   columns.push_back({"pressure_iterations", "1"});
   const std::string energy = dim == 2 ? "J/m" : "J";
@@ -185,9 +189,7 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(progress_.steps);
   // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
-  const std::vector<ProbeKeys>& probes = parameters_.probes;
-  const bool detects =
-      std::ranges::any_of(probes, [this](const ProbeKeys& probe) { return is_on_body(probe); });
+  const bool detects = std::ranges::any_of(on_body_, [](char on_body) { return on_body != 0; });
   if (start_speeds_.entry > 0 && detects && measurements_.contact_time < 0)
     monitor["count.awaiting_contact"] = 1;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
@@ -329,7 +331,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                   \
-  template bool FluidParticipant<dim>::is_on_body(const ProbeKeys&) const;                        \
+  template std::vector<char> FluidParticipant<dim>::sensors_on_body() const;                      \
   template void FluidParticipant<dim>::check_sensors() const;                                     \
   template std::vector<Column> FluidParticipant<dim>::columns() const;                            \
   template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \

@@ -51,12 +51,15 @@ struct Advanced {
   std::vector<Sample> history;
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest next window this solver accepts
   /// Named scalars. Names in Description::columns go to history.csv. Reserved prefixes go elsewhere:
-  ///   "seconds.<stage>"  wall seconds so far (timing.csv, summary)      "count.<what>"  counts so far
-  ///   (summary) "check.<what>"     conservation checks so far (summary)           "memory.peak"   bytes
-  ///   "alarm.<kind>.<part>" a value that the case cannot have: time, x, y, z, value, bound, step (summary)
-  ///   "<probe>:<metric>" accumulated probe result (first_peak, time_of_first_peak, peak, time_of_peak,
-  ///   impulse,
-  ///                      mean_peak_50us, final, contact); absent until it is known
+  ///   "seconds.<stage>"      wall seconds so far (timing.csv, summary)
+  ///   "count.<what>"         counts so far (summary)
+  ///   "check.<what>"         conservation checks so far (summary)
+  ///   "memory.peak"          [bytes]
+  ///   "alarm.<kind>.<part>"  a value that the case cannot have (summary); parts: time, x, y, z, value,
+  ///                          bound, step
+  ///   "<probe>:<metric>"     what a probe has found so far, absent until it is known; the metrics are
+  ///                          first_peak, time_of_first_peak, peak, time_of_peak, impulse, mean_peak_50us,
+  ///                          final, contact
   std::map<std::string, double> monitor;
   /// The window cannot be taken as it is; once more, no longer than dt_limit. Nothing else is needed then.
   bool retry_smaller_dt = false;

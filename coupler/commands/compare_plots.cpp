@@ -26,10 +26,10 @@ std::string quantity_of(const std::string& column, const std::vector<ProbeKeys>&
   return {};
 }
 
-/// Title of a column's plot: "deflection mid.y".
+/// Title of a column's plot: "deflection mid.y"; of a probe that is called as its quantity that word alone.
 std::string title_of(const std::string& column, const std::vector<ProbeKeys>& probes) {
   const std::string quantity = quantity_of(column, probes);
-  return quantity.empty() ? column : quantity + " " + column;
+  return quantity.empty() || quantity == column ? column : quantity + " " + column;
 }
 
 /// A plot of one column of the run's history, with its first peak; it holds no reference yet.

@@ -20,10 +20,12 @@ constexpr milliseconds beat{50};           // between two tests of the processes
 constexpr milliseconds stop_to_tell{500};  // until a line says what a requested end waits for
 
 /// Adds the window to the place of a solver's fault. "fluid, pressure" in window 3 becomes "fluid, window 3
-/// (t = 2e-05 s), iteration 1, pressure".
+/// (t = 2e-05 s), iteration 1, pressure", and "structure (fem), static" has "fem, static" behind it.
 std::string with_place(std::string where, const std::string& name, const std::string& place) {
   if (where.starts_with(name)) where.erase(0, name.size());
   if (where.starts_with(", ")) where.erase(0, 2);
+  if (const auto end = where.find(')'); where.starts_with(" (") && end != std::string::npos)
+    where = where.substr(2, end - 2) + where.substr(end + 1);
   return where.empty() ? place : place + ", " + where;
 }
 

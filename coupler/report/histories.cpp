@@ -49,28 +49,31 @@ std::vector<Recording> recordings(const std::vector<Recorded>& runs) {
   for (const Recorded& run : runs)
     for (const ProbeResult& result : run.probes) take(result.probe);
   take("force.y");
-  // A component that is a thousandth of its sisters is round-off, not a finding.
+  // A component that is a thousandth of its sisters is round-off, not a finding; of a moment as well what a
+  // lever arm of a micrometre makes of the force.
   std::erase_if(found, [&](const Recording& r) {
-    const double own = largest(runs, r.column);
-    if (own == 0) return true;
-    const auto dot = r.column.rfind('.');
-    if (dot == std::string::npos || r.column.size() - dot != 2) return false;
     double of_sisters = 0;
-    for (const char* axis : {"x", "y", "z"})
-      of_sisters = std::max(of_sisters, largest(runs, r.column.substr(0, dot + 1) + axis));
-    if (r.column.starts_with("moment."))  // a lever arm of a micrometre
-      for (const char* axis : {"x", "y", "z"})
-        of_sisters = std::max(of_sisters, 1e-3 * largest(runs, std::string("force.") + axis));
-    return own < 1e-3 * of_sisters;
+    for (const Recorded& run : runs)
+      for (const Column& column : run.history.columns)
+        if (vector_of(column.name) == vector_of(r.column) && (is_moment(r.column) || !is_moment(column.name)))
+          of_sisters = std::max(of_sisters, (is_moment(r.column) && !is_moment(column.name) ? 1e-3 : 1) *
+                                                largest(runs, column.name));
+    return of_sisters == 0 || largest(runs, r.column) < 1e-3 * of_sisters;
   });
   return found;
 }
 
+/// The first peak; none where a quantity falls towards it, from its start or from before the contact.
 std::optional<CurvePoint> first_peak_of(const Recorded& run, const std::string& column) {
   const ProbeResult* result = run.probe(column);
   if (result == nullptr) return std::nullopt;
   const auto value = result->metric("first_peak"), time = result->metric("time_of_first_peak");
   if (!value || !time) return std::nullopt;
+  const Curve curve = curve_of(run.history, column);
+  const auto after = std::ranges::lower_bound(curve.time, *time) - curve.time.begin();
+  if (after == 0 && curve.size() > 0) return std::nullopt;
+  if (after > 0 && std::abs(curve.value[static_cast<std::size_t>(after - 1)]) > std::abs(*value))
+    return std::nullopt;
   return CurvePoint{*time, *value};
 }
 
@@ -103,6 +106,19 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
         lines.push_back(line);
     }
   return lines;
+}
+
+/// Adds the reference curves of the column, as rings; each once.
+void add_reference_curves(const std::vector<Recorded>& runs, const std::string& column, Plot& plot) {
+  for (const Recorded& run : runs)
+    for (const ReferenceCurve& reference : run.reference_curves)
+      if (reference.probe == column &&
+          std::ranges::none_of(plot.series, [&](const Series& s) { return s.name == reference.name; }))
+        plot.series.push_back({.name = reference.name,
+                               .curve = reference.curve,
+                               .style = static_cast<int>(plot.series.size()),
+                               .dots = true,
+                               .line = false});
 }
 
 /// From before the contact to a while after the last first peak.
@@ -138,9 +154,7 @@ std::string measured(const std::vector<Recorded>& runs, const std::string& colum
   return {};
 }
 
-struct Names {
-  std::string title, axis;
-};
+}  // namespace
 
 Names names_of(const std::vector<Recorded>& runs, const std::string& column) {
   if (column.ends_with(".impulse"))
@@ -152,8 +166,6 @@ Names names_of(const std::vector<Recorded>& runs, const std::string& column) {
   return quantity.empty() || quantity == column ? Names{column, column}
                                                 : Names{quantity + " " + column, quantity};
 }
-
-}  // namespace
 
 std::string history_figures(const std::vector<Recorded>& runs, const std::string& heading) {
   std::string body;
@@ -176,6 +188,7 @@ std::string history_figures(const std::vector<Recorded>& runs, const std::string
       if (series.curve.size() > 0) plot.series.push_back(std::move(series));
     }
     plot.references = lines_for(runs, recording.column);
+    add_reference_curves(runs, recording.column, plot);
     body += picture::figure(plot);
     plot.window = around_first_peak(runs, recording.column);
     if (!plot.window) continue;
@@ -192,7 +205,7 @@ std::string histories(const std::vector<Recorded>& runs) {
       "histories", "Histories",
       "<p>Lines join the values at the ends of windows; a ring is the first peak as measured at "
       "every step, which may stand between and above them. References are dashed, with the band that their "
-      "tolerance allows.</p>\n" +
+      "tolerance allows; a reference that is a curve is drawn as points.</p>\n" +
           figures);
 }
 

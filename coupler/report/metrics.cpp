@@ -109,7 +109,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
     if (std::find(metrics.begin(), metrics.end(), reference.metric) == metrics.end())
       metrics.push_back(reference.metric);
   }
-  HtmlTable table("Probe " + probe);
+  HtmlTable table(names_of(runs, probe).title);
   std::vector<std::string> names = head_of(runs, {"metric"});
   for (const std::string& kind : kinds) names.push_back("reference: " + kind);
   table.head(names);
@@ -191,6 +191,9 @@ constexpr Check known_checks[] = {
      "below 0.77, likewise"},
 };
 
+/// A component of so much of its largest sister is round-off: it stands apart, folded away.
+constexpr double round_off = 1e-6;
+
 std::string grade_badge(const Recorded& run, const std::string& check) {
   const auto found = run.grades.find(check);
   if (found == run.grades.end() || found->second.grade.empty()) return {};
@@ -204,6 +207,20 @@ std::string grade_badge(const Recorded& run, const std::string& check) {
 
 }  // namespace
 
+bool is_moment(const std::string& column) {
+  return column.starts_with("moment.") || column.find(".moment") != std::string::npos;
+}
+
+std::string vector_of(const std::string& column) {
+  if (is_moment(column)) {
+    const std::string of = column.substr(0, column.find("moment"));
+    return of + (of.ends_with("body.") ? "f" : "force.");
+  }
+  for (const char* last : {".x", ".y", ".z", ".fx", ".fy", ".fz", ".vx", ".vy", ".vz"})
+    if (column.ends_with(last)) return column.substr(0, column.size() - 1);
+  return column;
+}
+
 std::string metrics(const std::vector<Recorded>& runs) {
   std::vector<std::string> probes;
   const auto references = references_of(runs);
@@ -213,8 +230,6 @@ std::string metrics(const std::vector<Recorded>& runs) {
   for (const Reference& reference : references) list(reference.probe);  // what is judged comes first
   for (const Recorded& run : runs)
     for (const ProbeResult& result : run.probes) list(result.probe);
-  // A component of a millionth of its sisters is round-off: it stands apart, folded away. A moment counts by
-  // its lever arm, in metres, beside the force.
   const auto size = [&](const std::string& probe) {
     double most = 0;
     for (const Recorded& run : runs)
@@ -222,25 +237,18 @@ std::string metrics(const std::vector<Recorded>& runs) {
         most = std::max(most, std::abs(result->metric("peak").value_or(0)));
     return most;
   };
-  const auto component = [](const std::string& probe) {
-    return probe.size() > 2 && probe[probe.size() - 2] == '.';
-  };
-  const auto family = [](const std::string& probe) {
-    return probe.starts_with("moment.") ? std::string("force") : probe.substr(0, probe.rfind('.'));
-  };
-  std::map<std::string, double> largest;  // by family
+  std::map<std::string, double> largest;  // by vector
   for (const std::string& probe : probes)
-    if (component(probe) && !probe.starts_with("moment."))
-      largest[family(probe)] = std::max(largest[family(probe)], size(probe));
+    if (!is_moment(probe)) largest[vector_of(probe)] = std::max(largest[vector_of(probe)], size(probe));
   std::string body, folded;
   for (const std::string& probe : probes) {
     const bool judged = std::any_of(references.begin(), references.end(),
                                     [&](const Reference& r) { return r.probe == probe; });
-    const bool noise = component(probe) && !judged && size(probe) <= 1e-6 * largest[family(probe)];
+    const bool noise = !judged && size(probe) <= round_off * largest[vector_of(probe)];
     (noise ? folded : body) += metric_table(runs, references, probe);
   }
   if (!folded.empty())
-    body += "<details><summary>Components that stay at round-off</summary>\n" + folded + "</details>\n";
+    body += "<details><summary>What stays at zero or at round-off</summary>\n" + folded + "</details>\n";
   if (!references.empty()) {
     body += "<h3>Sources of the references</h3>\n<ol class=\"sources\">\n";
     for (std::size_t i = 0; i < references.size(); ++i)
@@ -252,7 +260,7 @@ std::string metrics(const std::vector<Recorded>& runs) {
   }
   if (body.empty()) return {};
   return section(
-      "metrics", "What the probes found",
+      "metrics", "What was measured",
       "<p>A deviation is (run − reference) / |reference|; “pass” means within the tolerance that the "
       "case states.</p>\n" +
           body);

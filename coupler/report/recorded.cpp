@@ -1,5 +1,8 @@
 #include "coupler/report/recorded.hpp"
 
+#include "coupler/case/case_queries.hpp"
+#include "coupler/case/case_view.hpp"
+#include "coupler/compare/compare.hpp"
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
 
@@ -156,6 +159,18 @@ void read_summary(const Json& summary, Recorded& run) {
     if (entry.is_object()) run.compare.push_back(study::verdict_of(entry));
 }
 
+/// The curves with which the case of a run compares it.
+std::vector<ReferenceCurve> curves_of(const std::filesystem::path& case_file) {
+  std::vector<ReferenceCurve> curves;
+  const auto text = read_text(case_file);
+  if (!text) return curves;
+  const CaseLookup lookup = lookup_in(flatten_toml(*text, case_file.string()));
+  for (const CompareBlock& block : compare_blocks_of(case_file))
+    if (!block.file.empty() && applies(block, lookup))
+      curves.push_back({block.probe, block.file.stem().string() + ", " + block.kind, reference_curve(block)});
+  return curves;
+}
+
 }  // namespace
 
 std::optional<double> ProbeResult::metric(const std::string& name) const {
@@ -225,6 +240,11 @@ Recorded read_run(const std::filesystem::path& folder) {
   else
     run.problems.emplace_back("case.toml is missing: what was set is not known");
   run.title = run.setting("title");
+  try {
+    run.reference_curves = curves_of(folder / "case.toml");
+  } catch (const Error& error) {
+    run.problems.push_back("reference curves: " + error.problem());
+  }
   try {
     run.history = read_table(folder / "history.csv");
   } catch (const Error& error) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/compare/curve.hpp"
 #include "coupler/study/results.hpp"
 #include "proto/files/history.hpp"
 
@@ -45,6 +46,12 @@ struct CheckGrade {
   std::optional<double> good, poor;
 };
 
+/// A curve with which a column of the run is compared.
+struct ReferenceCurve {
+  std::string probe, name;  // name: of its file, and its kind
+  Curve curve;
+};
+
 /// A run folder as it lies on disk, whole or not: what cannot be read is said in `problems`, and the rest
 /// still shows.
 struct Recorded {
@@ -65,6 +72,7 @@ struct Recorded {
   std::map<std::string, CheckGrade> grades;  // check → how it turned out
   std::vector<std::string> alarms, resolution;
   std::vector<study::CheckResult> compare;
+  std::vector<ReferenceCurve> reference_curves;
   std::vector<FailureEvent> failure;
   std::optional<double> failure_energy;
   Table history;

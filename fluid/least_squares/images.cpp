@@ -155,8 +155,8 @@ void LeastSquaresScheme<dim>::update_image_velocities() {
 }
 
 /// Calls visit(pair) for each pair of row i that is mirrored in a face (F72):
-///   w_m = f (1−τ_i) (1−τ_k) part_i part_k (1 − |n·r|/(l0/2)) (R/d − 1) ,  d² = r² + 4 h_i h_k < R² ,  |n·r|
-///   < l0/2 ,  τ = σ (1 − e max(0, n·N))
+///   w_m = f (1−τ_i) (1−τ_k) part_i part_k (1 − |n·r|/(l0/2)) (R/d − 1) ,
+///   d² = r² + 4 h_i h_k < R² ,  |n·r| < l0/2 ,  τ = σ (1 − e max(0, n·N))
 /// e is 0 in the plane; `end` of the face in space.
 /// The faces of i and k must have nearly one normal n and one plane: |n·r − (h_k − h_i)| < `one_plane` l0.
 /// Row k gets the same weights, to the last bit.

@@ -292,8 +292,10 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return state.face_lag[i] * walls_.normal(j);
   }
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87).
-  double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer) const;
+  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87), 1.
+  /// from_layer: from j to i [m]; height: of i over the face [m].
+  double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer,
+                  double height) const;
   /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean
   /// over the particles over the face. Within 0.5 l0 of the end the two are blended.
   Vector<dim> relative_wall_velocity(const Boundary<dim>&, const State<dim>&, std::int64_t i,
@@ -305,8 +307,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Returns u − U of particle i past the faces that it lies over [m/s].
   Vector<dim> residual_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                      std::int64_t i) const;
-  /// Returns the velocity past the faces that the step does not correct [m/s]. It is the counterpart of E_i
-  /// at walls.
+  /// Returns the velocity past faces that the step does not correct [m/s]: at walls what E_i is.
   Vector<dim> carried_wall_velocity(const State<dim>& state, std::int64_t i,
                                     const Vector<dim>& relative) const {
     Vector<dim> carried = equation_.carried[i] * state.residual_wall_velocity.col(i);
@@ -314,8 +315,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
       carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
     return carried;
   }
-  /// Returns q_ij of (F35), less the carried residual [Pa]. Without tension the face's pressure is not below
-  /// zero.
+  /// Returns q_ij of (F35) less the carried residual [Pa]. Without tension no face has a pressure below zero.
   double wall_pressure_increment(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
                                  const Vector<dim>& projected, double slope) const;
   /// χ (F36).

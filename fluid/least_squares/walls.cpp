@@ -58,7 +58,7 @@ void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const 
 // the opposite sign; they keep the velocity over the plane until both are mended.
 template <int dim>
 double LeastSquaresScheme<dim>::own_part(const Boundary<dim>& boundary, std::int64_t i, std::int64_t j,
-                                         const Vector<dim>& from_layer) const {
+                                         const Vector<dim>& from_layer, double height) const {
   if (!p_.submerged || !wall_.curved || j < boundary.first_of_bodies() ||
       !boundary.is_curved(boundary.point_of(j)))
     return 1;
@@ -67,7 +67,7 @@ double LeastSquaresScheme<dim>::own_part(const Boundary<dim>& boundary, std::int
     return std::clamp(0.5 + (about - distance / p_.spacing) / tuned.own_fades, 0.0, 1.0);
   };
   const Vector<dim> n = walls_.normal(j);
-  const double up = from_layer.dot(n), height = up - walls_.depth(j), aside = (from_layer - up * n).norm();
+  const double aside = (from_layer - from_layer.dot(n) * n).norm();
   return 1 - surface_.deep[i] * (1 - falls(height, tuned.own_height) * falls(aside, tuned.own_side));
 }
 
@@ -91,7 +91,8 @@ Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(const Boundary<dim>&
   const double height = walls_.height(j, state.position.col(j), from_layer + state.position.col(j));
   const double trust = 1 - surface_.share[i];
   u -= trust * height * (velocity_gradient(i) * walls_.normal(j));
-  if (const double own = own_part(boundary, i, j, from_layer); own < 1) u = mean() + own * (u - mean());
+  if (const double own = own_part(boundary, i, j, from_layer, height); own < 1)
+    u = mean() + own * (u - mean());
   if constexpr (dim == 2)
     if (j >= boundary.first_of_bodies() && !boundary.volume()) {
       const double from_end = boundary.within(boundary.point_of(j), state.position.col(i)) / p_.spacing;

@@ -26,9 +26,8 @@ struct WindowChoice {
 ///   0.05 l0 / U                 the body, or water with waves of its depth, moves a twentieth of a spacing
 ///   0.2 √(l0/g)                 four of the steps that gravity allows
 ///   20 l0 / √(E/ρ_s)            elastic bodies: bending as short as the water can load
-///   2 l0 / c                    elastic or free bodies whose steps resolve sound, c Δt < l0: in longer
-///   windows
-///                               thin layers of water ring (coupler/THEORY.md, section on windows)
+///   2 l0 / c                    elastic or free bodies whose steps resolve sound, c Δt < l0: thin layers of
+///                               water ring in longer windows (coupler/THEORY.md, section on windows)
 ///   end_time / 100              rows of the history
 ///   output.every                if it is given
 ///

@@ -90,8 +90,8 @@ void fill_grid(Solid&, const std::function<int(const std::array<std::size_t, 3>&
 /// Fills facet and facet_cell from the cells.
 void find_facets(Solid&);
 
-/// Throws for parts that do not touch, cells that are turned inside out or empty, and supports that constrain
-/// nothing.
+/// Returns the first fault: no cells, a cell that is turned inside out or has no volume, parts that do not
+/// touch or are covered by others, a support that holds nothing.
 SolidFault fault_of(const Solid&);
 
 /// True if a face is supported or a part is held.

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace strake::structure {
@@ -287,8 +288,18 @@ bool is_constrained(const Parameters& p) {
   return p.plate.left != Support::free && p.plate.right != Support::free;
 }
 
+/// A body of an elastic solver has a part that can deform.
+void refuse_held_whole(CaseTable structure, const Parameters& p) {
+  const auto held = [](const Part& part) { return part.constrained; };
+  if (p.kind == "rigid" || p.kind == "replay" || p.solid.parts.empty()) return;
+  if (std::ranges::all_of(p.solid.parts, held))
+    throw structure.error("solver", "\"rigid\": all parts of the body are held, and nothing of it can deform",
+                          "structure.solver = \"rigid\", or leave a part free");
+}
+
 void check_together(CaseFile& file, const CommonKeys& common, CaseTable structure, Parameters& p) {
   check_ranks(structure, p);
+  refuse_held_whole(structure, p);
   if (file.is_right()) refuse_outside_tank(file, structure, common, p);  // not the form of a stand-in value
   if (common.interface == "volume" && p.kind != "particle")
     throw file.root()

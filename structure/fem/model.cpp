@@ -37,6 +37,7 @@ deck::Model model_of(const Parameters& p, const std::vector<ProbeKeys>& probes) 
   const Solid solid = elastic_solid(p);
   const Discretisation<dim> discretisation(solid, p.fem.degree, p.fem.refinement, size_along(p.fem, solid));
   const Mesh<dim>& mesh = discretisation.mesh();
+  require_free(mesh);
   if (p.analysis == Analysis::statics) require_constrained(mesh);
 
   deck::Model m;

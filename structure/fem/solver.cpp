@@ -55,6 +55,7 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
                     : asked == LinearMethod::direct ? asked
                                                     : LinearMethod::cg_amg;
   require_work_for(p.ranks, division().size(mesh().n_unknowns()));
+  require_free(mesh());
   if (p.analysis == Analysis::statics) require_constrained(mesh());
   const int n = mesh().n_unknowns();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
@@ -70,7 +71,8 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
 
   load_shape_ = discretisation_.case_force(p.load);
   // A body for several ranks takes some tens of solutions for that line.
-  if (division().alone()) summary_.first_frequency = frequencies(1, enough_for_a_line).front();
+  if (division().alone())
+    for (const double f1 : frequencies(1, enough_for_a_line)) summary_.first_frequency = f1;
   // The stiffness alone is harder to solve for than a step's matrix, to which inertia adds.
   if (factors_.given_up->times > 0) factors_.method = LinearMethod::direct;
   factors_.kept = linear_solver();

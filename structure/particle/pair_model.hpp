@@ -11,9 +11,8 @@ namespace strake::structure {
 ///   kinematic (R1)  that of the neighbourhood, normalised by the particle's own n_i. For small strains the
 ///                   forces are the gradient of `energy`, so that energy and angular momentum are kept too;
 ///                   at finite strain only nearly, since R1 leaves out what θ itself contributes.
-///   dynamic (R2)    an unknown of its own, I dω_i/dt = ½ Σ_j r_ij × F^τ_ij: angular momentum with that of
-///   the
-///                   spins is exact at any strain.
+///   dynamic (R2)    an unknown of its own, I dω_i/dt = ½ Σ_j r_ij × F^τ_ij: angular momentum with the
+///                   spins' own is exact at any strain.
 class PairModel final : public ElasticModel<2> {
  public:
   PairModel(const Lattice<2>&, const Bonds<2>&, Rotation = Rotation::kinematic);

@@ -1,5 +1,7 @@
 """Every `# run` line of a case file is a command that `strake check` accepts; the README's commands exist. In a study file it is
-a command that lists runs, of which `strake check` accepts the last. Of lines of one case that set the same keys one is checked."""
+a command that lists runs, of which `strake check` accepts the last. Of lines of one case that set the same keys one is checked.
+A command of strake on any page has options that its --help knows, and those that it needs."""
+import functools
 import pathlib
 import re
 import shlex
@@ -39,6 +41,32 @@ def check_study(case, line):
     check(case, runs[-1], shlex.split(runs[-1])[2:])
 
 
+@functools.lru_cache(None)
+def options(*command):
+    """Options that a command knows, and those without which it refuses."""
+    said = strake(*command, "--help").stdout
+    needed = set(re.findall(r"^ +(--[\w-]+).*REQUIRED", said, re.M))
+    operands = {"--" + name.lower() for name in re.findall(r"^ +([A-Z]+) .*REQUIRED", said, re.M)}  # with or without "--"
+    return set(re.findall(r"--[a-z][\w-]*", said)), needed - operands
+
+
+def check_page(page):
+    text = page.read_text(encoding="utf-8")
+    for line in re.findall(r"`(strake [^`\n]+)`", text) + re.findall(r"^(strake [^\n#|;]+)", text, re.M):
+        words = line.replace("…", "").split()
+        command = words[1:3] if words[1] == "new" and len(words) > 2 and words[2].isalpha() and words[2].islower() else words[1:2]
+        known, needed = options(*command)
+        given = {word.split("=")[0] for word in words[2:] if re.match(r"--[a-z]", word)}
+        operands = [word for word in words[1 + len(command):] if not word.startswith("-")]
+        for option in sorted(given - known):
+            problems.append(f"{page.relative_to(root)}: `{line}`: no option {option}")
+        for option in sorted(needed - given if operands else ()):
+            problems.append(f"{page.relative_to(root)}: `{line}` lacks {option}")
+
+
+for page in sorted(root.rglob("*.md")):
+    if not page.relative_to(root).parts[0].startswith(("build", "runs", ".")):
+        check_page(page)
 for case in sorted((root / "cases").rglob("*.toml")):
     lines = [l[len("# run"):].strip() for l in case.read_text(encoding="utf-8").splitlines() if l.startswith("# run ")]
     if not lines:

@@ -1,4 +1,5 @@
 """Runs of the real programs for the system tests: start, find the processes, kill, wait, read what is left."""
+import csv
 import os
 import pathlib
 import signal
@@ -31,6 +32,21 @@ def folder():
 def strake(*words, cwd, timeout=120):
     return subprocess.run([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=ENV, capture_output=True, text=True,
                           timeout=timeout)
+
+
+def run_case(place, case, *words, code=0):
+    done = strake("run", case, "--runs", place / "runs", *words, cwd=place)
+    if done.returncode != code:
+        print(done.stdout[-3000:], done.stderr[-3000:])
+    expect(done.returncode == code, f"{case} {' '.join(map(str, words))}: exit {done.returncode}, expected {code}")
+    return done
+
+
+def columns(run):
+    """Title → numbers of each column of a run's record; an empty cell is not a number."""
+    with open(run / "history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {title: [float(row[title] or "nan") for row in rows] for title in rows[0]}
 
 
 def start(*words, cwd):

@@ -192,7 +192,7 @@ def report_of_runs(place, runs):
     for word in (record["host"], record["compiler"], "Limits", "no air", "one spacing"):
         expect(word in page.words, f"the page says {word!r}")
     expect("aerated" not in re.sub(r"strake run \S+.*", "", page.words), "notes of another variant are left out")
-    table = (place / "report.html").read_text().partition("Probe mid.y")[2].partition("</table>")[0]
+    table = (place / "report.html").read_text().partition("deflection mid.y")[2].partition("</table>")[0]
     expect("peak" in table and "impulse" not in table, "there is no impulse of a deflection")
     expect(page.tags.count("svg") > 4 and len(page.images) >= 2 * len(runs), f"{len(page.images)} pictures, plots")
     one = strake("report", runs[0], "--at", "1e-3,2e-3", cwd=place)

@@ -15,9 +15,8 @@ namespace strake::watch {
 
 /// Named arrays and a few words about them as one block of bytes for the page:
 ///   4 bytes   length n of the head, little-endian
-///   n bytes   JSON, {"arrays": {name: {"type": "f32" | "f64" | "u32" | "u8", "at": offset [bytes], "count":
-///   …}}, …},
-///             with blanks behind it, so that 4 + n is a multiple of 8
+///   n bytes   JSON, {"arrays": {name: {"type": …, "at": offset [bytes], "count": …}}, …}, of the types f32,
+///             f64, u32 and u8, with blanks behind it, so that 4 + n is a multiple of 8
 ///   the arrays, little-endian, each at its offset from the block's first byte, a multiple of 8: a page uses
 ///   them in place.
 class ArrayMessage {
@@ -45,8 +44,8 @@ class ArrayMessage {
 ///   index     u32 n    of the point in its frame
 ///   kind      u8 n     0 water, 1 wall (fluid alone)
 ///   bend      f32 3·n  [m] displacement without the rigid motion of each body (structure alone)
-///   triangle  u32 3·m, edge u32 2·k: the cells' surface, as places in `position`; absent where points are
-///   all
+///   triangle  u32 3·m  the cells' surface, as places in `position`; absent where points are all
+///   edge      u32 2·k  its edges, likewise
 /// Its head: time [s], field {name, unit, shown [lo, hi], all [lo, hi]}, fields [{name, unit}], low and high
 /// corner of what is drawn [m]. The structure's has also bodies [{name, first, low, high}]: name, place of
 /// the first point in the frame, and box [m] of each of several bodies; empty for one structure.

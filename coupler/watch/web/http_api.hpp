@@ -13,14 +13,14 @@
 namespace strake::watch {
 
 /// Answers the page's requests on a run, all from the run's files. Several threads may call it.
-///   ""            the page                "page.js"  "page.css"
+///   ""            the page; "page.js" and "page.css": its script and style
 ///   api/run       what the run is: title, sides, probes, palette
 ///   api/news      state, clocks, processes, stages, sizes of everything that grows
 ///   api/table     name=history|iterations|timing, from=ROW: columns from that row on (ArrayMessage, f64)
 ///   api/frames    side=fluid|structure, from=PLACE: numbers and times
 ///   api/frame     side, number, field: ArrayMessage of field_view.hpp
-///   api/point     side, number, index or id: every value of one point; a particle keeps its id, not its
-///   index api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
+///   api/point     side, number, and index or id, which a particle keeps: every value of one point
+///   api/log       name=coupler|fluid|structure, from=BYTE (-1: the last part)
 class HttpApi {
  public:
   explicit HttpApi(const std::filesystem::path& run_folder);

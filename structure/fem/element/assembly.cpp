@@ -3,9 +3,9 @@
 #include "structure/fem/element/cell_step.hpp"
 #include "structure/fem/element/cell_sums.hpp"
 
-#include <algorithm>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+
 #include <cassert>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -25,25 +25,19 @@ Assembly<dim>::Assembly(const Mesh<dim>& mesh, const std::vector<Part>& parts, S
   if constexpr (dim == 3)
     if (strain == StrainField::solid_shell) thin_ = thin_axes(mesh);
   // Nodes that share a cell, and between them a block of components.
-  std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(mesh.n_nodes()));
-  for (const auto& nodes : mesh.cell.colwise())
-    for (const int node : nodes) {
-      std::vector<int>& near = neighbours[static_cast<std::size_t>(node)];
-      near.insert(near.end(), nodes.begin(), nodes.end());
-    }
-  Eigen::Index pairs = 0;
-  for (std::vector<int>& near : neighbours) {
-    std::ranges::sort(near);
-    near.erase(std::ranges::unique(near).begin(), near.end());
-    pairs += std::ssize(near);
+  const auto n_nodes = static_cast<unsigned int>(mesh.n_nodes());
+  dealii::DynamicSparsityPattern near(n_nodes, n_nodes);
+  for (const auto& cell : mesh.cell.colwise()) {
+    const std::vector<unsigned int> nodes(cell.begin(), cell.end());
+    for (const unsigned int node : nodes) near.add_entries(node, nodes.begin(), nodes.end());
   }
   pattern_.resize(mesh.n_unknowns(), mesh.n_unknowns());
-  pattern_.resizeNonZeros(dim * dim * pairs);
+  pattern_.resizeNonZeros(dim * dim * static_cast<Eigen::Index>(near.n_nonzero_elements()));
   int *row_begin = pattern_.outerIndexPtr(), *column = pattern_.innerIndexPtr();
-  for (const std::vector<int>& near : neighbours)
+  for (unsigned int node = 0; node < n_nodes; ++node)
     for (int i = 0; i < dim; ++i) {
-      for (const int node : near)
-        for (int j = 0; j < dim; ++j) *column++ = dim * node + j;
+      for (auto entry = near.begin(node); entry != near.end(node); ++entry)
+        for (int j = 0; j < dim; ++j) *column++ = dim * static_cast<int>(entry->column()) + j;
       *++row_begin = static_cast<int>(column - pattern_.innerIndexPtr());
     }
   pattern_.coeffs().setZero();

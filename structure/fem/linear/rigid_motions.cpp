@@ -3,6 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace strake::structure::fem {
 namespace {
@@ -64,6 +67,21 @@ void require_constrained(const Mesh<dim>& mesh) {
         "hold it: structure.plate.supports, the supports of a structure.box, or [[structure.support]]");
 }
 
+template <int dim>
+void require_free(const Mesh<dim>& mesh) {
+  const RankDivision& division = mesh.division;
+  const Eigen::Index all = division.size(mesh.n_unknowns());
+  const auto held = std::ranges::count_if(mesh.fixed, [&](int i) { return division.owns(i); });
+  const auto free = static_cast<double>(all) - division.sum(static_cast<double>(held));
+  if (free < 2)  // one has no frequency that an iteration could find
+    throw Error(ExitCode::case_file, "structure.fem",
+                fmt::format("of {} unknowns of this mesh the supports leave {:.0f} free, too few to deform",
+                            all, free),
+                "structure.fem.refinement = 1 or more, a smaller cell_size, or degree = 2");
+}
+
+template void require_free(const Mesh<2>&);
+template void require_free(const Mesh<3>&);
 template Eigen::MatrixXd rigid_motions(const Mesh<2>&);
 template Eigen::MatrixXd rigid_motions(const Mesh<3>&);
 template int rigid_motions_left(const Mesh<2>&);

@@ -73,6 +73,9 @@ int rigid_motions_left(const Mesh<dim>&);
 /// Statics need all rigid motions stopped: throws Error(case_file) otherwise.
 template <int dim>
 void require_constrained(const Mesh<dim>&);
+/// A body that deforms needs unknowns that no support holds: throws Error(case_file) otherwise.
+template <int dim>
+void require_free(const Mesh<dim>&);
 
 /// Weights of nodes whose sum is the value in a point.
 using NodeWeights = std::vector<std::pair<int, double>>;

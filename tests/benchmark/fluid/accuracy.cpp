@@ -1,6 +1,7 @@
 // Accuracy of the fluid's defaults on flows that have an exact solution, with the observed order.
 //   fluid_accuracy_benchmark [wave|vortices|channel]…    (default: all; about two minutes of one core)
 #include "fluid/simulation/simulation.hpp"
+#include "tests/method/fluid/known_flows.hpp"
 
 #include <fmt/format.h>
 
@@ -27,45 +28,15 @@ Parameters laminar(double spacing, double viscosity) {
   return p;
 }
 
-std::int64_t water_of(const State<2>& state) {
-  return std::count(state.kind.begin(), state.kind.end(), strake::fluid::Kind::fluid);
-}
-
-/// Error of the period of a standing wave, depth 0.5 m, length 1 m (cases/VALIDATION.md, "Standing wave").
-/// Its height a makes it slower by (ka)²/8.
+/// Relative error of the period of a standing wave (cases/VALIDATION.md, "Standing wave").
 double wave_period_error(double spacing) {
-  constexpr double depth = 0.5, amplitude = 0.01, k = 2 * pi;
   Parameters p = laminar(spacing, 1e-6);
   p.tank.max[1] = 0.8;
-  p.water.max[1] = depth;
+  p.water.max[1] = StandingWave::depth;
   Simulation<2> simulation(p, {}, {});
-  State<2> displaced = simulation.state();
-  const std::int64_t water = water_of(displaced);
-  for (std::int64_t i = 0; i < water; ++i) {
-    auto x = displaced.position.col(i);
-    const double along = k * x[0], up = k * x[1], size = amplitude / std::sinh(k * depth);
-    x[0] -= size * std::sin(along) * std::cosh(up);
-    x[1] += size * std::cos(along) * std::sinh(up);
-  }
-  simulation.set_state(displaced);
-  const State<2>& state = simulation.state();
-  const auto wave = [&] {
-    double sum = 0;
-    for (std::int64_t i = 0; i < water; ++i)
-      sum += std::cos(k * state.position(0, i)) * std::cosh(k * state.position(1, i));
-    return sum;
-  };
-  std::vector<double> zero;
-  for (double before = wave(); zero.size() < 5 && state.time < 4;) {
-    const double dt = simulation.stable_dt();
-    simulation.step(dt, {});
-    const double now = wave();
-    if (before * now < 0) zero.push_back(state.time - dt * now / (now - before));
-    before = now;
-  }
-  const double theory =
-      2 * pi / std::sqrt(9.81 * k * std::tanh(k * depth)) * (1 + std::pow(k * amplitude, 2) / 8);
-  return zero.size() == 5 ? 0.5 * (zero[4] - zero[0]) / theory - 1 : std::nan("");
+  StandingWave::start(simulation);
+  const std::vector<double> zero = StandingWave::zeros(simulation, 5, 4);
+  return zero.size() == 5 ? 0.5 * (zero[4] - zero[0]) / StandingWave::period() - 1 : std::nan("");
 }
 
 void waves() {
@@ -129,22 +100,10 @@ void channel() {
   p.scheme.turbulence = Turbulence::none;
   Simulation<2> simulation(p, {}, {});
   const State<2>& state = simulation.state();
-  const std::int64_t water = water_of(state);
   for (const double stop : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0}) {
     while (state.time < stop - 1e-12)
       simulation.step(std::min(simulation.stable_dt(), stop - state.time), {});
-    double off = 0, all = 0;
-    for (std::int64_t i = 0; i < water; ++i) {
-      const double y = state.position(1, i);
-      double u = 0.5 * y * (1 - y);
-      for (int n = 0; n < 60; ++n) {
-        const double m = (2 * n + 1) * pi;
-        u -= 4 / (m * m * m) * std::sin(m * y) * std::exp(-m * m * stop);
-      }
-      off += std::pow(state.velocity(0, i) - u, 2);
-      all += u * u;
-    }
-    fmt::print("  {:10.2f} {:12.4f}\n", stop, std::sqrt(off / all));
+    fmt::print("  {:10.2f} {:12.4f}\n", stop, channel_error(state));
     std::fflush(stdout);
   }
 }

@@ -81,6 +81,13 @@ TEST_F(Remote, AStaleAnswerIsNamed) {
   EXPECT_EQ(e.problem(), "answered request 1 when Advance (number 2) was asked");
 }
 
+TEST_F(Remote, APlaceNamesTheSolverAndItsMethodOnce) {
+  const Error e = error_of([](Script& s) {
+    s.say(wire::Fault{"fluid (toy), pressure", "did not converge", "", ExitCode::solver_fault});
+  });
+  EXPECT_EQ(e.where(), "fluid, window 1 (t = 0.5 s), iteration 1, toy, pressure");
+}
+
 TEST_F(Remote, AnAnswerOfTheWrongKindIsNamed) {
   const Error e = error_of([](Script& s) { s.say(wire::Done{}); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);

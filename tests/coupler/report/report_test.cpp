@@ -1,10 +1,13 @@
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/plot.hpp"
+#include "coupler/report/sections.hpp"
 #include "coupler/report/sketch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -124,6 +127,73 @@ TEST(Chart, DrawsEveryPlotWithNamesUnitsReferencesAndLegend) {
   EXPECT_NE(svg.find("stroke-dasharray"), std::string::npos) << "the reference";
   plot.references.clear();
   EXPECT_NE(picture::chart({plot}, options, picture::Canvas::Kind::svg), svg);
+}
+
+/// A run with the history of one column, a row a second, and its first peak.
+Recorded run_with(const std::string& column, const std::vector<double>& values,
+                  const CurvePoint& first_peak) {
+  Recorded run;
+  run.name = "run";
+  run.end_time = static_cast<double>(values.size());
+  run.history.columns = {{"time", "s"}, {column, "m"}};
+  run.history.value = {{}, values};
+  for (std::size_t i = 0; i < values.size(); ++i) run.history.value[0].push_back(static_cast<double>(i + 1));
+  run.probes = {{column, "m", {{"first_peak", first_peak.value}, {"time_of_first_peak", first_peak.time}}}};
+  return run;
+}
+
+TEST(Metrics, WhatStaysAtZeroOrAtRoundOffIsFoldedAway) {
+  Recorded run;
+  run.name = "run";
+  for (const auto& [column, peak] :
+       std::initializer_list<std::pair<const char*, double>>{{"body.fy", 2e6},
+                                                             {"body.fx", 0.01},
+                                                             {"body.moment", 5e-4},
+                                                             {"body.angle", 0},
+                                                             {"body.rate", 1e-9}})
+    run.probes.push_back({column, "1", {{"peak", peak}}});
+  const std::string html = metrics({run});
+  const auto fold = html.find("<details>");
+  ASSERT_NE(fold, std::string::npos);
+  for (const char* shown : {"body.fy", "body.rate"}) EXPECT_LT(html.find(shown), fold) << shown;
+  for (const char* folded : {"body.fx", "body.moment", "body.angle"})
+    EXPECT_GT(html.find(folded), fold) << folded;
+}
+
+TEST(Histories, WhatFallsFromItsStartOrAtContactHasNoFirstPeak) {
+  std::vector<double> falling(100);
+  for (std::size_t i = 0; i < falling.size(); ++i) falling[i] = 100 - static_cast<double>(i);
+  const auto zooms = [&](const CurvePoint& first_peak) {
+    const std::string html = history_figures({run_with("height", falling, first_peak)}, "");
+    return count(html, "around the first peak");
+  };
+  EXPECT_EQ(zooms({0.5, 100}), 0U) << "in the first window";
+  EXPECT_EQ(zooms({20, 81}), 0U) << "its value at contact";
+  EXPECT_GT(zooms({20, 83}), 0U) << "higher than the row before";
+}
+
+TEST(Histories, ComponentsAtRoundOffAreNotDrawn) {
+  Recorded run = run_with("body.fy", {1e6, 2e6}, {2, 2e6});
+  for (const auto& [column, size] : std::initializer_list<std::pair<const char*, double>>{
+           {"body.fx", 0.01}, {"body.moment", 0.01}, {"body.vy", 0.01}, {"body.rate", 0}}) {
+    run.history.columns.push_back({column, "1"});
+    run.history.value.push_back({size, size});
+    run.probes.push_back({column, "1", {{"peak", size}}});
+  }
+  const std::string html = history_figures({run}, "");
+  for (const char* drawn : {"body.fy", "body.vy"}) EXPECT_GT(count(html, drawn), 0U) << drawn;
+  for (const char* not_drawn : {"body.fx", "body.moment", "body.rate"})
+    EXPECT_EQ(count(html, not_drawn), 0U) << not_drawn;
+}
+
+TEST(Histories, AReferenceCurveIsDrawnOnceBesideTheRuns) {
+  Recorded run = run_with("front", {1, 2, 3}, {3, 3});
+  run.reference_curves = {{"front", "measured, experiment", {{1, 2}, {1.1, 2.2}}}};
+  const std::string html = history_figures({run, run}, "");
+  EXPECT_EQ(count(html, "measured, experiment"), count(history_figures({run}, ""), "measured, experiment"));
+  EXPECT_GT(count(html, "measured, experiment"), 0U);
+  run.reference_curves.front().probe = "height";
+  EXPECT_EQ(count(history_figures({run}, ""), "measured, experiment"), 0U);
 }
 
 TEST(Outline, OfTwoSquaresSideBySideIsOneRectangle) {

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+#include <vector>
+
 namespace strake {
 namespace {
 
@@ -26,6 +30,14 @@ CaseView wedge() {
                 {"fluid.scheme.time_step", "inf"}, {"fluid.gravity", "[0, 0, 0]"},
                 {"fluid.dimension", "2"},          {"fluid.sound_speed", "1500"}};
   return view;
+}
+
+using Values = std::map<std::string, std::string>;
+
+/// The lines on keys that are far off, of a body 0.5 m long and a case with other values.
+std::vector<std::string> lines_with(const Values& values, CaseView view = wedge()) {
+  for (const auto& [key, value] : values) view.value[key] = value;
+  return far_off_lines(view, 0.5);
 }
 
 bool says(const std::vector<std::string>& lines, const std::string& words) {
@@ -149,47 +161,35 @@ TEST(Pace, KeysThatAreTwentyTimesOffAreSaid) {
 }
 
 TEST(Pace, ValuesInAnotherUnitAreSaid) {
+  EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[0, 9.81, 0]"}}), "fluid.gravity points up"));
+  EXPECT_FALSE(says(lines_with({{"fluid.gravity", "[0, 9.81, 0]"}, {"fluid.open_top", "false"}}),
+                    "fluid.gravity points up"));
+  EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[0, -9810, 0]"}}),
+                   "9.81e+03 m/s^2 is 1000 times that of the earth"));
+  EXPECT_TRUE(says(lines_with({{"fluid.density", "1"}}), "fluid.density = 1 is 1/1000 of that of water"));
+  EXPECT_TRUE(says(lines_with({{"fluid.kinematic_viscosity", "1"}}), "1 m^2/s is 1e+06 times that of water"));
+  EXPECT_TRUE(lines_with({{"fluid.kinematic_viscosity", "5e-5"}}).empty()) << "an oil";
+  EXPECT_TRUE(says(lines_with({{"structure.wedge.deadrise", "0.5236"}}),
+                   "0.524 deg is nearly level: angles are in degrees, and 0.524 rad are 30"));
+  EXPECT_TRUE(lines_with({{"structure.wedge.deadrise", "2"}}).empty());
   CaseView view = wedge();
-  view.value["fluid.gravity"] = "[0, 9.81, 0]";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity points up"));
-  view.value["fluid.open_top"] = "false";
-  EXPECT_FALSE(says(far_off_lines(view, 0.5), "fluid.gravity points up"));
-  view = wedge();
-  view.value["fluid.density"] = "1";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.density = 1 is 1/1000 of that of water"));
-  view = wedge();
   view.common.window = view.common.chosen.window = 1e-7;
   view.common.chosen.speed = 5000;
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "a speed of 5e+03 m/s"));
-  EXPECT_FALSE(says(far_off_lines(view, 0.5), "first pressure of a level face")) << "its steps are short";
-  view = wedge();
-  view.value["fluid.gravity"] = "[0, -9810, 0]";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "9.81e+03 m/s^2 is 1000 times that of the earth"));
-  view = wedge();
-  view.value["fluid.kinematic_viscosity"] = "1";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "1 m^2/s is 1e+06 times that of water"));
-  view.value["fluid.kinematic_viscosity"] = "5e-5";
-  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "an oil";
-  view = wedge();
-  view.value["structure.wedge.deadrise"] = "0.5236";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5),
-                   "0.524 deg is nearly level: angles are in degrees, and 0.524 rad are 30"));
-  view.value["structure.wedge.deadrise"] = "2";
-  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
-  view = wedge();
-  view.structures.front().solver = "fem";
-  view.value["structure.material.young"] = "2.1e5";
-  view.value["structure.material.density"] = "7850";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "softer than rubber"));
-  view.value["structure.material.density"] = "1100";
-  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "a soft rubber";
-  view = wedge();
-  view.value["structure.material.young"] = "210";
-  view.value["structure.material.density"] = "7.8";
-  EXPECT_TRUE(far_off_lines(view, 0.5).empty()) << "a rigid body";
-  view.structures.front().solver = "fem";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "softer than a gel"));
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "lighter than foam"));
+  EXPECT_TRUE(says(lines_with({}, view), "a speed of 5e+03 m/s"));
+  EXPECT_FALSE(says(lines_with({}, view), "first pressure of a level face")) << "its steps are short";
+}
+
+TEST(Pace, AMaterialInAnotherUnitIsSaid) {
+  const auto of = [](const char* young, const char* density) {
+    return Values{{"structure.material.young", young}, {"structure.material.density", density}};
+  };
+  CaseView elastic = wedge();
+  elastic.structures.front().solver = "fem";
+  EXPECT_TRUE(says(lines_with(of("2.1e5", "7850"), elastic), "softer than rubber"));
+  EXPECT_TRUE(lines_with(of("2.1e5", "1100"), elastic).empty()) << "a soft rubber";
+  EXPECT_TRUE(lines_with(of("210", "7.8")).empty()) << "a rigid body";
+  EXPECT_TRUE(says(lines_with(of("210", "7.8"), elastic), "softer than a gel"));
+  EXPECT_TRUE(says(lines_with(of("210", "7.8"), elastic), "lighter than foam"));
 }
 
 TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {

@@ -1,10 +1,9 @@
 #include "coupler/coupling/scheme.hpp"
-#include "fluid/simulation/simulation.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/participant.hpp"
 #include "structure/rigid/rigid.hpp"
 #include "tests/fluid/plate_case.hpp"
-#include "tests/method/coupling/coupling_models.hpp"
+#include "tests/method/coupling/stepped_water.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -16,28 +15,6 @@
 
 namespace strake {
 namespace {
-
-/// The water of a plane simulation, one step per window.
-class Water : public models::Model<fluid::State<2>> {
- public:
-  Water(const fluid::Parameters& p, const InterfaceMesh& body, const Points& velocity)
-      : simulation_(p, body, velocity) {
-    begin(simulation_.interface(), simulation_.state());
-  }
-
- private:
-  Advanced step(const Window& window, const Input& input) override {
-    simulation_.set_state(now_);
-    const std::vector<Field>& fields = input.samples.back().fields;
-    const Points velocity = find(fields, "velocity")->value;
-    simulation_.step(window.dt, {find(fields, "displacement")->value, velocity, 0 * velocity});
-    now_ = simulation_.state();
-    Advanced advanced;
-    advanced.output = {{"force", "N", true, simulation_.interface_force()}};
-    return advanced;
-  }
-  fluid::Simulation<2> simulation_;
-};
 
 struct Body {
   const char* name;
@@ -86,7 +63,7 @@ Release release(const Body& body, double gravity_of_body) {
   fluid::Parameters p = fluid::tank_case(1.6, 1.0, 0.01);
   p.sound_speed = std::numeric_limits<double>::infinity();
   p.submerged = true;
-  Water water(p, dry.mesh(), rigid.velocity());
+  models::SteppedWater<2> water(p, dry.mesh(), rigid.velocity());
   SchemeParameters parameters;
   parameters.convergence = {1e-7, 1e-13, Measure::increment, 1, 20, Unconverged::accept};
   parameters.accelerator.kind = "iqn-ils";

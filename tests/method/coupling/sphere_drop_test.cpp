@@ -1,11 +1,10 @@
 #include "coupler/coupling/scheme.hpp"
 #include "fluid/mps/interface_load.hpp"
-#include "fluid/simulation/simulation.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/participant.hpp"
 #include "structure/rigid/rigid.hpp"
 #include "tests/fluid/solid_case.hpp"
-#include "tests/method/coupling/coupling_models.hpp"
+#include "tests/method/coupling/stepped_water.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -17,28 +16,6 @@ namespace strake {
 namespace {
 
 using Eigen::Vector3d;
-
-/// The water of a simulation, one step per window.
-class Water : public models::Model<fluid::State<3>> {
- public:
-  Water(const fluid::Parameters& p, const InterfaceMesh& body, const Points& velocity)
-      : simulation_(p, body, velocity) {
-    begin(simulation_.interface(), simulation_.state());
-  }
-
- private:
-  Advanced step(const Window& window, const Input& input) override {
-    simulation_.set_state(now_);
-    const std::vector<Field>& fields = input.samples.back().fields;
-    const Points velocity = find(fields, "velocity")->value;
-    simulation_.step(window.dt, {find(fields, "displacement")->value, velocity, 0 * velocity});
-    now_ = simulation_.state();
-    Advanced advanced;
-    advanced.output = {{"force", "N", true, simulation_.interface_force()}};
-    return advanced;
-  }
-  fluid::Simulation<3> simulation_;
-};
 
 // A light sphere, five spacings of radius, falls into still water, free in all its motions. Its momentum goes
 // to the water and the walls and nowhere else; von Karman's and Wagner's added masses 4/3 ρc³ bound its
@@ -60,7 +37,7 @@ TEST(SphereDrop, AFreeSphereGivesItsMomentumToTheWaterAsAddedMassHasIt) {
   const structure::Rigid& body = *owned;
   structure::StructureParticipant dry(std::move(owned), s, CommonKeys{}, {});
   const fluid::Parameters p = fluid::basin(0.48, 0.16, spacing, 0.16);
-  Water water(p, dry.mesh(), body.velocity());
+  models::SteppedWater<3> water(p, dry.mesh(), body.velocity());
 
   SchemeParameters parameters;
   parameters.convergence = {1e-7, 1e-12, Measure::increment, 1, 20, Unconverged::accept};

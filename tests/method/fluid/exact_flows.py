@@ -10,16 +10,7 @@ sys.path.insert(0, str(pathlib.Path(sys.argv[1]) / "tests" / "benchmark"))
 import numpy
 
 import exact_answers
-
-wrong = []
-
-
-def held(name, value, expected, tolerance):
-    fits = abs(value / expected - 1) <= tolerance
-    print(f"{'pass' if fits else 'FAIL'}  {name}: {value:.6g}, expected {expected:.6g} within {100 * tolerance:g} %")
-    if not fits:
-        wrong.append(name)
-
+from held import finish, held
 
 # A plate at contact: the classical added mass of this tank, 64.94 kg/m. A heavy plate keeps its speed.
 held("plate at contact", exact_answers.plate_speed(62.4, 1.0, [0.0])[0], 62.4 / (62.4 + 64.94), 1e-4)
@@ -62,4 +53,4 @@ held("wall at rest", top, 9810 * 0.5**5 / (30 * 2e4), 1e-6)
 # In a narrow tank the water moves along the wall alone: w = (y/H)^2 has the added mass rho H^3/(63 length).
 dry, wet, top = exact_answers.wet_wall(0.5, 0.5, 1e-3, 2e4, 40.0, 1, 400)
 held("wall of a narrow tank", wet[0], math.sqrt(4 * 2e4 / 0.5**3 / (40.0 * 0.5 / 5 + 1000 * 0.5**3 / (63 * 1e-3))) / (2 * math.pi), 1e-3)
-sys.exit(bool(wrong))
+finish()

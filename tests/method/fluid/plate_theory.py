@@ -11,16 +11,7 @@ import numpy
 
 import linear_plate
 import plate_edge
-
-wrong = []
-
-
-def held(name, value, expected, tolerance):
-    fits = abs(value / expected - 1) <= tolerance
-    print(f"{'pass' if fits else 'FAIL'}  {name}: {value:.6g}, expected {expected:.6g} within {100 * tolerance:g} %")
-    if not fits:
-        wrong.append(name)
-
+from held import finish, held
 
 # Contact with deep and wide water: rho V sqrt(a^2 - x^2), exact. A wide, deep tank adds in proportion to (a/L)^2.
 middle, plate = linear_plate.contact(linear_plate.Water(16, 10, math.inf, False))
@@ -60,4 +51,4 @@ held("first peak in the tank with sound: cells against sums", stepped, summed, 3
 edge = plate_edge.follow(0.113, 10.0, 1.2, 4.0)
 held("edge: potential at rest", edge.inner_p[-1], -1.5 * edge.edge_speed**2, 5e-3)
 held("edge: C", edge.c, 0.559, 1e-2)
-sys.exit(bool(wrong))
+finish()

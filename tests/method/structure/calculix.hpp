@@ -1,5 +1,6 @@
 #pragma once
 
+#include "structure/body/parameters.hpp"
 #include "structure/deck/deck.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
@@ -18,6 +19,19 @@ namespace strake::structure {
 #define STRAKE_NEEDS_CALCULIX()                       \
   if (std::system("command -v ccx > /dev/null") != 0) \
   GTEST_SKIP() << "ccx is not installed (Debian: apt install calculix-ccx)"
+
+/// The plate of cases/plate_entry.toml as it meets the water.
+inline Parameters entering_plate() {
+  Parameters p;
+  p.plate = {.length = 0.4,
+             .thickness = 0.02,
+             .bottom = {0, 0.012, 0},
+             .left = Support::clamped,
+             .right = Support::clamped};
+  p.velocity = {0, -6.26, 0};
+  p.gravity = {0, -9.81, 0};
+  return p;
+}
 
 /// Displacements of the printed nodes at one time.
 struct Printed {

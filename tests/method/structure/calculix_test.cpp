@@ -3,6 +3,7 @@
 
 #include "structure/body/surface.hpp"
 #include "structure/fem/fem.hpp"
+#include "tests/structure/body/boxes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,14 +28,7 @@ SolidBox box(const std::string& name, double x0, double y0, double x1, double y1
 }
 
 Parameters body(int dimension, const std::vector<SolidBox>& boxes, int refinement) {
-  Parameters p;
-  p.dimension = dimension;
-  p.shape.kind = ShapeKind::solid;
-  p.solid = solid_of_boxes(dimension, boxes);
-  if (dimension == 2) p.shape.corner = outer_polygons(p.solid).front();
-  p.fem.refinement = refinement;
-  p.surface_spacing = 0.01;
-  return p;
+  return body_of_boxes(dimension, boxes, refinement, 0.01);
 }
 
 /// Static deflection by both.
@@ -196,14 +190,7 @@ Histories follow(const Parameters& p, const Recorded& record, const ProbeKeys& a
 
 TEST(Calculix, APlateStruckByARecordedLoadMovesAlike) {
   STRAKE_NEEDS_CALCULIX();
-  Parameters p;
-  p.plate = {.length = 0.4,
-             .thickness = 0.02,
-             .bottom = {0, 0.012, 0},
-             .left = Support::clamped,
-             .right = Support::clamped};
-  p.velocity = {0, -6.26, 0};
-  p.gravity = {0, -9.81, 0};
+  Parameters p = entering_plate();
   p.fem.refinement = 1;
   const Histories mid = follow(p, entry(surface(p), 100, 2e-5), probe("mid", {0, 0.012, 0}));
   ASSERT_EQ(mid.calculix.size(), mid.fem.size());

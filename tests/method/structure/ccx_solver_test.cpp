@@ -19,15 +19,8 @@ constexpr double dt = 2e-5;  // [s]
 
 /// plate_entry's plate, one cell through the thickness.
 Parameters plate(CalculixCalls calls) {
-  Parameters p;
+  Parameters p = entering_plate();
   p.kind = "ccx";
-  p.plate = {.length = 0.4,
-             .thickness = 0.02,
-             .bottom = {0, 0.012, 0},
-             .left = Support::clamped,
-             .right = Support::clamped};
-  p.velocity = {0, -6.26, 0};
-  p.gravity = {0, -9.81, 0};
   p.fem.refinement = 0;
   p.surface_spacing = 0.02;
   p.ccx.calls = calls;

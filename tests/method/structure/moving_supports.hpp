@@ -156,4 +156,24 @@ void expect_a_free_body_to_fall(Parameters p) {
   }
 }
 
+/// A step that is taken again after a rewind, or by another solver after a checkpoint, has the same bits.
+template <class Body>
+void expect_checkpoints_and_rewinds_to_be_bit_equal(const Parameters& p) {
+  Body first(p), second(p);
+  const Load load = upward(first.interface(), 1e5);
+  first.advance(0, 1e-5, load);
+  first.save();
+  Archive archive;
+  first.write(archive);
+  second.read(archive);
+  first.advance(1e-5, 1e-5, load);
+  const Points once = first.displacement();
+  first.restore();
+  first.advance(1e-5, 1e-5, load);
+  second.advance(1e-5, 1e-5, load);
+  EXPECT_EQ(first.displacement(), once);
+  EXPECT_EQ(second.displacement(), once);
+  EXPECT_EQ(second.momentum(), first.momentum());
+}
+
 }  // namespace strake::structure

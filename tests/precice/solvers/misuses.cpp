@@ -1,30 +1,12 @@
 // Participant One of dummies.xml makes every call that preCICE refuses, and goes on: a call that is refused
 // changes nothing.
-#include <precice/precice.hpp>
+#include "refused.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace {
-
-int tried = 0, failed = 0;
-
-/// The call must throw precice::Error with this text in it, and with the function's name.
-void refused(const std::string& function, const std::string& text, const std::function<void()>& call) {
-  std::string told = "nothing was refused";
-  try {
-    call();
-  } catch (const precice::Error& error) {
-    told = error.what();
-  }
-  const bool right = told.find(function) != std::string::npos && told.find(text) != std::string::npos;
-  std::printf("%s %s: %s\n", right ? "ok  " : "FAIL", function.c_str(), told.c_str());
-  ++tried;
-  if (!right) ++failed;
-}
 
 using precice::Participant;
 const std::string mesh = "One-Mesh";
@@ -133,5 +115,5 @@ int main() {
   after_the_run(p);
   p.finalize();
   after_finalize(p);
-  std::printf("%d refused, %d not\n", tried - failed, failed);
+  print_count();
 }

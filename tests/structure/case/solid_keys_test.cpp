@@ -45,6 +45,21 @@ void refuses(const std::string& structure, const std::string& part, const std::v
   }
 }
 
+TEST(BodyKeys, AnElasticBodyOfWhichAllPartsAreHeldIsRefused) {
+  const std::string body =
+      "box = [{ name = \"a\", min = [0, 0], max = [1, 0.1], supports = { all = true } }%]\nparticle.spacing "
+      "= 0.025\n";
+  const auto with = [&](const std::string& more) {
+    std::string text = body;
+    return text.replace(text.find('%'), 1, more);
+  };
+  for (const char* solver : {"fem", "particle", "ccx"})
+    refuses(with(""), "all parts of the body are held", {}, solver);
+  EXPECT_EQ(read_body(with("")).solid.parts.size(), 1U) << "a rigid body has no need to deform";
+  const std::string free = ", { name = \"b\", min = [1, 0], max = [2, 0.1] }";
+  EXPECT_EQ(read_body(with(free), {}, "fem").solid.parts.size(), 2U);
+}
+
 TEST(BodyKeys, ABodyOfBoxesIsScaledThenTurnedThenMoved) {
   const std::string box = "box = [{ name = \"a\", min = [0, 0], max = [200, 10] }]\nmaterial.density = 100\n";
   const Parameters p = read_body(box + "placed = { scale = 0.001, angle = 90, move = [1, 2] }\n");

@@ -15,14 +15,28 @@ namespace strake::structure::fem {
 namespace {
 
 Parameters of(int dimension, const std::vector<SolidBox>& boxes, int refinement = 1) {
+  return body_of_boxes(dimension, boxes, refinement, 0.05);
+}
+
+TEST(FemSolid, AMeshWhoseSupportsLeaveNothingFreeIsRefused) {
   Parameters p;
-  p.dimension = dimension;
-  p.shape.kind = ShapeKind::solid;
-  p.solid = solid_of_boxes(dimension, boxes);
-  if (dimension == 2) p.shape.corner = outer_polygons(p.solid).front();
-  p.fem.refinement = refinement;
-  p.surface_spacing = 0.05;
-  return p;
+  p.plate = {.length = 0.1,
+             .thickness = 0.3,
+             .bottom = {0, 0, 0},
+             .left = Support::clamped,
+             .right = Support::clamped};
+  p.fem.degree = 1;
+  p.fem.refinement = 0;
+  p.fem.cell_size = 1;
+  try {
+    const FemSolver<2> solver(p);
+    ADD_FAILURE() << "it was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::case_file);
+    EXPECT_NE(to_text(error).find("leave 0 free"), std::string::npos) << to_text(error);
+  }
+  p.fem.degree = 2;
+  EXPECT_GT(FemSolver<2>(p).frequencies(1).front(), 0);
 }
 
 TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {

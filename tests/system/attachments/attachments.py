@@ -1,5 +1,4 @@
 """What is coupled to points of a structure: mooring lines, a controller in Python, two bodies, resume, faults, refusals."""
-import csv
 import os
 import pathlib
 import signal
@@ -37,20 +36,6 @@ Winch.main()
 """
 
 
-def run(place, case, *words, code=0):
-    done = strake("run", case, "--runs", place / "runs", *words, cwd=place)
-    if done.returncode != code:
-        print(done.stdout[-3000:], done.stderr[-3000:])
-    expect(done.returncode == code, f"{case} {' '.join(map(str, words))}: exit {done.returncode}, expected {code}")
-    return done
-
-
-def columns(folder):
-    with open(folder / "history.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: [float(row[name] or "nan") for row in rows] for name in rows[0]}
-
-
 def winch(place, fault="pass", resume=True):
     (place / "winch.py").write_text(WINCH.format(fault=fault, resume=resume))
     (place / "winch.py").chmod(0o755)
@@ -64,7 +49,7 @@ with folder() as name:
     (place / "floor.toml").write_text(text + ATTACHED)
 
     # The floor's spring as a controller's: the same floor.
-    run(place, "floor.toml", "--strict"), run(place, SPRING)
+    run_case(place, "floor.toml", "--strict"), run_case(place, SPRING)
     attached, own = columns(runs / "floor"), columns(runs / "python_spring")
     off = max(abs(a - b) for a, b in zip(attached["floor.y [m]"], own["floor.y [m]"]))
     expect(off < 1e-8, f"a spring that is attached moves the floor as its own: {off:.1e} m off of 2e-4 m")
@@ -86,27 +71,27 @@ stiffness = 1e6
 damping = 10.0
 """
     (place / "two.toml").write_text(two + more)
-    run(place, "two.toml", "--set", "end_time=0.02")
-    run(place, "two.toml", "--tag", "parts", "--set", "end_time=0.01", "--set", "run.checkpoint=1e-3")
-    run(place, "two.toml", "--tag", "parts", "--resume", "--set", "end_time=0.02", "--set", "run.checkpoint=1e-3")
+    run_case(place, "two.toml", "--set", "end_time=0.02")
+    run_case(place, "two.toml", "--tag", "parts", "--set", "end_time=0.01", "--set", "run.checkpoint=1e-3")
+    run_case(place, "two.toml", "--tag", "parts", "--resume", "--set", "end_time=0.02", "--set", "run.checkpoint=1e-3")
     expect((runs / "two-parts" / "history.csv").read_bytes() == (runs / "two" / "history.csv").read_bytes(),
            "a resumed run with two bodies and attachments has the same history.csv")
     both = columns(runs / "two")
     expect(both["springs.tension.1 [N/m]"][-1] != 0 and both["winch.force.y [N/m]"][-1] != 0, "both pull")
 
     # Mooring lines hold a box where it floats (cases/moored_box.toml, closed form), and where it does not they pull more.
-    run(place, ROOT / "cases" / "moored_box.toml", "--strict", "--set", "end_time=0.3")
+    run_case(place, ROOT / "cases" / "moored_box.toml", "--strict", "--set", "end_time=0.3")
 
     # Faults: an exception, a death, a value that is no number, and one that cannot be taken up again.
     winch(place, "if t > 0.005: raise ValueError('the drum is empty')")
-    done = run(place, "floor.toml", "--tag", "throws", code=4)
+    done = run_case(place, "floor.toml", "--tag", "throws", code=4)
     expect("winch" in done.stderr and "the drum is empty" in done.stderr, "an exception names the attachment: " + done.stderr[:300])
     winch(place, "if t > 0.005: import os; os.kill(os.getpid(), 9)")
     begin = time.monotonic()
-    done = run(place, "floor.toml", "--tag", "dies", code=5)
+    done = run_case(place, "floor.toml", "--tag", "dies", code=5)
     expect("winch" in done.stderr and "signal 9" in done.stderr, "a death names the attachment: " + done.stderr[:300])
     winch(place, "if t > 0.005: self.k = float('nan')")
-    done = run(place, "floor.toml", "--tag", "nan", code=4)
+    done = run_case(place, "floor.toml", "--tag", "nan", code=4)
     expect("winch" in done.stderr and "not finite" in done.stderr, "no number names the attachment: " + done.stderr[:300])
     expect((runs / "floor-nan" / "history.csv").exists(), "what was computed before stays")
     winch(place, resume=False)

@@ -1,5 +1,4 @@
 """A co-simulation unit of FMI 3.0 at a floating box: as a spring of ours, resumed, with a shorter step, and where it fails."""
-import csv
 import pathlib
 import sys
 import zipfile
@@ -38,12 +37,6 @@ def run(place, name, *words, code=0, end=0.06):
     done = strake("run", name, "--set", f"end_time={end}", *words, cwd=place)
     expect(done.returncode == code, f"{name} {' '.join(words)}: exit {done.returncode}, expected {code}\n{done.stderr[-600:]}")
     return done
-
-
-def columns(folder):
-    with open(folder / "history.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: [float(row[name] or "nan") for row in rows] for name in rows[0]}
 
 
 with folder() as name:

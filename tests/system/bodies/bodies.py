@@ -1,6 +1,5 @@
 """Several bodies in one water: two plates beside each other against one alone, two floors of different solvers, names in
 every file, resume, replay, and bodies that are refused."""
-import csv
 import json
 import pathlib
 import sys
@@ -42,20 +41,6 @@ def plates(end, left, right, *places):
         f'[[structures]]\nname = "{name}"\n' + PLATE.format(table="structures", x=x) for name, x in zip(names, places))
 
 
-def run(place, case, *words, code=0):
-    done = strake("run", case, "--runs", place / "runs", *words, cwd=place)
-    if done.returncode != code:
-        print(done.stdout[-3000:], done.stderr[-3000:])
-    expect(done.returncode == code, f"{case} {' '.join(map(str, words))}: exit {done.returncode}, expected {code}")
-    return done
-
-
-def columns(folder):
-    with open(folder / "history.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: [float(row[name] or "nan") for row in rows] for name in rows[0]}
-
-
 def mean(values):
     return sum(values) / len(values)
 
@@ -66,9 +51,9 @@ with folder() as name:
     # Two plates in a basin that is symmetric about x = 0: a wall in the plane of symmetry changes nothing.
     (place / "two.toml").write_text(plates(0.02, -1, 1, -0.5, 0.5))
     (place / "one.toml").write_text(plates(0.02, -1, 0, -0.5))
-    said = run(place, "two.toml").stdout
+    said = run_case(place, "two.toml").stdout
     expect("fluid.xdmf  left.xdmf  right.xdmf" in said, "the console names the fields of every body")
-    run(place, "one.toml")
+    run_case(place, "one.toml")
     two, one = columns(runs / "two"), columns(runs / "one")
     alone = mean(one["force.y [N/m]"])
     for body in ("left", "right"):
@@ -94,7 +79,7 @@ with folder() as name:
            <= 1e-6 * max(map(abs, two["left.force.y [N/m]"])), f"a replay of both bodies gives the same force {done.stderr}")
 
     # Two floors, one in Python, one of finite elements; beside each other as alone.
-    run(place, FLOORS, "--strict")
+    run_case(place, FLOORS, "--strict")
     both = columns(runs / "two_floors")
     text = FLOORS.read_text()
     head, tail = text.split("[[structures]]\n", 1)[0], "[coupling.surface]" + text.split("[coupling.surface]", 1)[1]
@@ -112,7 +97,7 @@ with folder() as name:
         kept = next(p for p in probes if f'name = "{probe}"' in p).split("[[compare]]")[0].replace(f'of = "{body}"', 'of = "structure"')
         case = "\n".join(lines) + "\n" + own.replace("../python_spring/spring.py", str(spring)) + probes[0] + "[[output.probe]]" + kept
         (place / f"{body}.toml").write_text(case)
-        run(place, f"{body}.toml", "--set", "end_time=0.022")
+        run_case(place, f"{body}.toml", "--set", "end_time=0.022")
         alone = columns(runs / body)
         column = f"{probe}.y [m]"
         largest = max(map(abs, alone[column]))
@@ -123,20 +108,20 @@ with folder() as name:
     expect(together <= 1.2 * max(iterations), f"{together:.2f} iterations a window; alone {iterations[0]:.2f} and {iterations[1]:.2f}")
 
     # Resumed runs end in the same bytes.
-    run(place, FLOORS, "--tag", "parts", "--set", "end_time=0.02", "--set", "run.checkpoint_windows=40")
-    run(place, FLOORS, "--tag", "parts", "--resume", "--set", "run.checkpoint_windows=40")
+    run_case(place, FLOORS, "--tag", "parts", "--set", "end_time=0.02", "--set", "run.checkpoint_windows=40")
+    run_case(place, FLOORS, "--tag", "parts", "--resume", "--set", "run.checkpoint_windows=40")
     expect((runs / "two_floors-parts" / "history.csv").read_bytes() == (runs / "two_floors" / "history.csv").read_bytes(),
            "a resumed run has the same history.csv")
 
     # What is refused, with the names of the bodies.
     (place / "near.toml").write_text(plates(0.02, -1, 1, -0.1, 0.11))
-    done = run(place, "near.toml", code=3)
+    done = run_case(place, "near.toml", code=3)
     expect("left and right" in done.stderr and "apart" in done.stderr, "bodies that are too near: " + done.stderr.strip())
-    done = run(place, "two.toml", "--tag", "x", "--attach", "centre", code=2)
+    done = run_case(place, "two.toml", "--tag", "x", "--attach", "centre", code=2)
     expect("the case has no centre" in done.stderr, "a side that is not there: " + done.stderr.strip())
     meet = plates(0.05, -1, 1, -0.5, 0.0).replace("velocity = [0.0, -1.0, 0.0]", "velocity = [8.0, 0.0, 0.0]", 1)
     (place / "meet.toml").write_text(meet)
-    done = run(place, "meet.toml", code=4)
+    done = run_case(place, "meet.toml", code=4)
     expect("left and right" in done.stderr and "no contact" in done.stderr, "bodies that meet: " + done.stderr.strip())
     expect((runs / "meet" / "history.csv").exists(), "what was computed before stays")
     done = strake("check", "two.toml", cwd=place)
