@@ -1,5 +1,6 @@
 #include "coupler/summary/pace.hpp"
 
+#include "coupler/summary/materials.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
@@ -252,22 +253,6 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         fmt::format("structure.wedge.deadrise = {:.3g} deg is nearly level: angles are in degrees, and "
                     "{:.3g} rad are {:.3g}",
                     deadrise, deadrise, deadrise / degree));
-  if (!view.any_deforms()) return;
-  constexpr double softest = 1e4, lightest = 20;  // [Pa] of a gel, [kg/m³] of a foam
-  constexpr double rubber = 1e6, heavy = 2000;    // [Pa], [kg/m³]: what is heavier than rubber is a metal
-  const double young = view.number("structure.material.young").value_or(infinite),
-               density = view.number("structure.material.density").value_or(infinite);
-  if (young < softest)
-    lines.push_back(
-        fmt::format("structure.material.young = {:.3g} Pa is softer than a gel; 210 GPa are 2.1e11", young));
-  else if (young < rubber && density > heavy && std::isfinite(density))
-    lines.push_back(fmt::format(
-        "structure.material.young = {:.3g} Pa is softer than rubber, and {:.4g} kg/m^3 are those of a metal; "
-        "210 000 MPa are 2.1e11",
-        young, density));
-  if (density < lightest)
-    lines.push_back(fmt::format(
-        "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));
 }
 
 /// A body that stays where it is while the tank moves past it, which is seldom meant of one that is held.
@@ -288,6 +273,7 @@ void look_at_tank(const CaseView& view, std::vector<std::string>& lines) {
 
 std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   std::vector<std::string> lines;
+  look_at_materials(view, lines);
   const auto pace = pace_of(view);
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
