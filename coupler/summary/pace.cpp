@@ -255,6 +255,21 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
                     deadrise, deadrise, deadrise / degree));
 }
 
+/// A vector with a length along z in a case of the plane, which nothing reads: [0, -9,81] for [0, -9.81].
+void look_at_plane(const CaseView& view, std::vector<std::string>& lines) {
+  if (view.number("fluid.dimension").value_or(2) > 2.5) return;
+  std::vector<std::string> keys = {"fluid.gravity", "fluid.initial_velocity.value"};
+  for (const SideView& side : view.structures)
+    for (const char* key : {".velocity", ".initial_velocity.value"})
+      keys.push_back((side.is_body ? "structures." + side.side : "structure") + key);
+  for (const std::string& key : keys)
+    if (const auto vector = numbers_in(at_or(view.value, key)); vector.size() > 2 && vector[2] != 0)
+      lines.push_back(
+          fmt::format("{} = [{:g}, {:g}, {:g}] has a part along z, which a case in the plane leaves out: a "
+                      "number has a decimal point, [0, -9.81]",
+                      key, vector[0], vector[1], vector[2]));
+}
+
 /// A body that stays where it is while the tank moves past it, which is seldom meant of one that is held.
 void look_at_tank(const CaseView& view, std::vector<std::string>& lines) {
   const auto given = [&](const char* key) { return !at_or(view.value, key).empty(); };
@@ -278,6 +293,7 @@ std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
   look_at_units(view, lines);
+  look_at_plane(view, lines);
   look_at_tank(view, lines);
   constexpr double usual = 40;  // spacings across a body
   const double l0 = view.number("fluid.spacing").value_or(0);

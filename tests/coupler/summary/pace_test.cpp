@@ -237,6 +237,19 @@ TEST(Pace, MaterialsOfBoxesAndOfSeveralBodiesAreLookedAt) {
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "structures.right.material.young")) << "no water";
 }
 
+TEST(Pace, APartAlongZIsSaidInThePlane) {
+  CaseView view = wedge();
+  view.value["fluid.gravity"] = "[0, -9, 81]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity = [0, -9, 81] has a part along z"));
+  view.value["fluid.dimension"] = "3";
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "along z"));
+  view = wedge();
+  view.value["structure.velocity"] = "[0, -2, 5]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "structure.velocity = [0, -2, 5] has a part along z"));
+  view.value["structure.velocity"] = "[0, -2.5, 0]";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+}
+
 TEST(Pace, APlateThatIsThickerThanLongIsSaid) {
   CaseView view = wedge();
   view.value["structure.plate.length"] = "0.5";
