@@ -36,6 +36,20 @@ double largest_speed(const Setup& setup, const TankMotion& tank) {
   return largest;
 }
 
+/// Whether the body starts above the water.
+bool is_above(const Parameters& p, const InterfaceMesh& body) {
+  constexpr double slack = 1e-9;  // [l0]
+  return body.position.cols() > 0 && body.position.row(1).minCoeff() > p.water.max.y() - slack * p.spacing;
+}
+
+/// Speed with which a body comes into the water [m/s]: that at t = 0, or a larger one that its table gives a
+/// body above the water. Tables begin at rest, or nearly so.
+double entry_speed(const Parameters& p, const CommonKeys& common, const Setup& setup) {
+  if (p.submerged) return 0;
+  const double by_table = is_above(p, setup.partner_mesh) ? common.chosen.by_table : 0;
+  return std::max(largest_speed(setup, p.motion), by_table);
+}
+
 /// Extents of the body along x and z [m].
 Eigen::Vector2d extent(const InterfaceMesh& mesh) {
   if (mesh.position.cols() == 0) return Eigen::Vector2d::Zero();
@@ -88,20 +102,23 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
     : parameters_(parameters),
       body_size_(extent(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
-      start_speeds_{.entry = parameters.submerged ? 0 : largest_speed(setup, parameters.motion),
+      start_speeds_{.entry = entry_speed(parameters, common, setup),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
       on_body_(sensors_on_body()),
       output_every_(common.output_every),
       end_time_(common.end_time),
       initial_volume_(volume()),
       sends_history_(setup.history && has_body()) {
+  choose_contact_search(common);
   // Sensors of a body that enters are measured from its contact, all others from the first step
   // (cases/VALIDATION.md, "Definitions").
   for (const char on_body : on_body_)
     measurements_.probes.push_back(
-        on_body != 0 && start_speeds_.entry > 0 ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
+        on_body != 0 && start_speeds_.contact.waits ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   check_sensors();
-  description_.lines = describe(parameters_, common, largest_speed(setup, parameters.motion), body_size_[0]);
+  description_.lines =
+      describe(parameters_, common, std::max(start_speeds_.entry, largest_speed(setup, parameters.motion)),
+               body_size_[0]);
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh,
                         parameters_.submerged ? 0 : std::max(start_speeds_.entry, common.chosen.by_table)))
@@ -197,8 +214,28 @@ void FluidParticipant<dim>::start(const Window& window, const Input& input) {
   if (measures_water_) count_voids_now();
 }
 
+template <int dim>
+void FluidParticipant<dim>::choose_contact_search(const CommonKeys& common) {
+  start_speeds_.contact.from_rest = common.chosen.from_rest && is_above(parameters_, mesh());
+  start_speeds_.contact.waits = start_speeds_.entry > 0 || start_speeds_.contact.from_rest;
+  const bool probed =
+      std::ranges::any_of(common.probes, [](const ProbeKeys& probe) { return probe.of != "fluid"; }) ||
+      std::ranges::any_of(on_body_, [](char on_body) { return on_body != 0; });
+  start_speeds_.contact.whole_body =
+      start_speeds_.contact.waits && !probed && parameters_.interface == "surface";
+}
+
+/// Returns ½ρV², the pressure that tells contact; infinite where none is looked for.
+template <int dim>
+double FluidParticipant<dim>::contact_pressure() const {
+  double speed = start_speeds_.contact.waits ? start_speeds_.entry : 0;
+  const Vectors<dim>& velocity = simulation_.state().interface_velocity;
+  if (start_speeds_.contact.from_rest && velocity.cols() > 0) speed = velocity.colwise().norm().maxCoeff();
+  return speed > 0 ? 0.5 * parameters_.density * speed * speed : std::numeric_limits<double>::infinity();
+}
+
 /// Adds the step to the probes and finds the contact. Contact is the first step in which a sensor on the body
-/// exceeds ½ρV² (cases/VALIDATION.md, "Definitions").
+/// exceeds ½ρV² (cases/VALIDATION.md, "Definitions"), or any point of a body without probes.
 template <int dim>
 void FluidParticipant<dim>::follow_probes(double t0, double t1) {
   std::vector<ProbeRecord>& records = measurements_.probes;
@@ -215,15 +252,17 @@ void FluidParticipant<dim>::follow_probes(double t0, double t1) {
     }
   }
   const Vectors<dim>& position = several ? at_gauges : simulation_.state().position;
-  const double threshold = 0.5 * parameters_.density * start_speeds_.entry * start_speeds_.entry;
-  bool contact = false;
+  const bool looks = start_speeds_.contact.waits && measurements_.contact_time < 0;
+  const double threshold = looks ? contact_pressure() : 0;
+  bool contact =
+      start_speeds_.contact.whole_body && looks && simulation_.highest_pressure().value > threshold;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ProbeKeys& probe = parameters_.probes[i];
     const double value = pressure_or_place(probe, position, particles);
-    contact = contact || (value > threshold && on_body_[i] != 0);
+    contact = contact || (looks && value > threshold && on_body_[i] != 0);
     records[i].add(t0, t1, value);
   }
-  if (!contact || start_speeds_.entry == 0 || measurements_.contact_time >= 0) return;
+  if (!contact) return;
   measurements_.contact_time = t0;
   for (std::size_t i = 0; i < records.size(); ++i)
     if (on_body_[i] != 0) records[i].contact(t0);

@@ -62,6 +62,8 @@ class FluidParticipant final : public Participant {
   std::vector<Column> columns() const;
   double longest_step(double t, double rest) const;
   void follow_probes(double t0, double t1);
+  void choose_contact_search(const CommonKeys&);
+  double contact_pressure() const;
   double pressure_or_place(const ProbeKeys&, const Vectors<dim>& position,
                            std::span<const std::int64_t> water) const;
   Vectors<dim> water_at_gauges() const;
@@ -93,10 +95,17 @@ class FluidParticipant final : public Participant {
   Parameters parameters_;
   Eigen::Vector2d body_size_;  // [m] extent of the interface along x and z
   Simulation<dim> simulation_;
-  /// Largest speeds at t = 0 [m/s].
+  /// How contact is found (cases/VALIDATION.md, "Definitions").
+  struct ContactSearch {
+    bool waits = false;       // the body comes from outside the water
+    bool from_rest = false;   // it gets its speed later: V is that of the step, else that at t = 0
+    bool whole_body = false;  // no probe finds contact: any point of the body does
+  };
+  /// Largest speeds at t = 0 [m/s], and what follows from them.
   struct StartSpeeds {
-    double entry;  // of a body that starts outside the water; 0: nothing enters
+    double entry;  // of a body that starts outside the water, or gets by its table; 0: nothing enters
     double water;  // that the case gives the water; 0: it starts with the tank
+    ContactSearch contact = {};
   };
   StartSpeeds start_speeds_;
   std::vector<char> on_body_;       // of each probe: whether it is a sensor that covers a point of the body

@@ -59,10 +59,17 @@ double tank_speed(const Parameters& p) {
   return largest;
 }
 
-/// Distance of a probe from the nearest point of the body [m].
-double to_body(const InterfaceMesh& body, const ProbeKeys& probe) {
+/// Distance of a probe from the nearest point of the body [m]. nearest: its number.
+double to_body(const InterfaceMesh& body, const ProbeKeys& probe, Eigen::Index* nearest = nullptr) {
   if (body.position.cols() == 0) return std::numeric_limits<double>::infinity();
-  return (body.position.colwise() - probe.at).colwise().norm().minCoeff();
+  Eigen::Index point = 0;
+  const double distance = (body.position.colwise() - probe.at).colwise().norm().minCoeff(&point);
+  if (nearest != nullptr) *nearest = point;
+  return distance;
+}
+
+std::string place_text(const Eigen::Vector3d& at, int dim) {
+  return fmt::format("({:.6g}, {:.6g}{})", at[0], at[1], dim == 3 ? fmt::format(", {:.6g}", at[2]) : "");
 }
 
 }  // namespace
@@ -87,14 +94,17 @@ void FluidParticipant<dim>::check_sensors() const {
     const double to_walls = std::abs(TankShape<dim>(parameters_).distance(probe.at.template head<dim>())) +
                             0.5 * parameters_.spacing;
     if (to_walls <= 0.5 * probe.diameter) continue;
+    Eigen::Index nearest = 0;
+    const double away = to_body(mesh(), probe, &nearest);
     throw Error(
         ExitCode::case_file, fmt::format("output.probe \"{}\"", probe.name),
-        fmt::format("its sensor at ({:.6g}, {:.6g}{}) m of diameter {:.6g} m covers no point of the {}tank's "
-                    "walls: the "
-                    "nearest is {:.3g} m away",
-                    probe.at[0], probe.at[1], dim == 3 ? fmt::format(", {:.6g}", probe.at[2]) : "",
-                    probe.diameter, has_body() ? "body or the " : "",
-                    std::min(to_walls, to_body(mesh(), probe))),
+        fmt::format("its sensor at {} m of diameter {:.6g} m covers no point of the {}tank's walls: the "
+                    "nearest is {:.3g} m away{}",
+                    place_text(probe.at, dim), probe.diameter, has_body() ? "body or the " : "",
+                    std::min(to_walls, away),
+                    away < to_walls ? ", at " + place_text(mesh().position.col(nearest), dim) +
+                                          " m of the body where it starts, after structure.placed"
+                                    : ""),
         fmt::format(
             "place it on {} of the tank, or enlarge its diameter; the pressure inside the water stands "
             "in the frames (output.every)",
@@ -188,10 +198,13 @@ void FluidParticipant<dim>::report_accounts(std::map<std::string, double>& monit
   monitor["count.body"] = static_cast<double>(body);
   monitor["count.solid"] = static_cast<double>(solid);
   monitor["count.steps"] = static_cast<double>(progress_.steps);
-  // The run waits for the contact of a body that enters, where a sensor of pressure can detect it.
-  const bool detects = std::ranges::any_of(on_body_, [](char on_body) { return on_body != 0; });
-  if (start_speeds_.entry > 0 && detects && measurements_.contact_time < 0)
+  // The run waits for the contact of a body that enters, where something can detect it.
+  const bool detects = start_speeds_.contact.whole_body ||
+                       std::ranges::any_of(on_body_, [](char on_body) { return on_body != 0; });
+  if (start_speeds_.contact.waits && detects && measurements_.contact_time < 0)
     monitor["count.awaiting_contact"] = 1;
+  if (start_speeds_.contact.whole_body && measurements_.contact_time >= 0)
+    monitor[contact_of_body] = measurements_.contact_time;
   monitor["count.steps_committed"] = static_cast<double>(state.step);
   for (const char* prefix : {"count.", "check."}) {
     monitor[prefix + std::string("lost")] = static_cast<double>(state.lost);

@@ -10,6 +10,9 @@
 
 namespace strake {
 
+/// Advanced::monitor of the fluid: the contact of a body that no probe watches [s].
+inline constexpr const char* contact_of_body = "body:contact";
+
 /// Results of one probe so far, updated at every solver step. It is a copyable value in the owner's State.
 ///
 /// cases/VALIDATION.md, "Definitions": *first peak* = the running maximum M of |q| after contact, M >= 5 % of

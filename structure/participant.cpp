@@ -28,6 +28,11 @@ Eigen::VectorXd point_sizes_or_spacing(const InterfaceMesh& mesh, const Paramete
   return Eigen::VectorXd::Constant(mesh.position.cols(), p.fluid_spacing);
 }
 
+/// ½ρV² of the fastest point [Pa].
+double dynamic_pressure(double density, const Points& velocity) {
+  return 0.5 * density * velocity.colwise().squaredNorm().maxCoeff();
+}
+
 /// What the loaded faces feel of a load.
 std::vector<Sample> loaded_part(std::vector<Sample> samples, const Eigen::VectorXd& share) {
   if (share.size() == 0) return samples;
@@ -157,7 +162,8 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
     : solver_(std::move(solver)),
       analysis_(p.analysis),
       support_velocity_(support_velocity(p)),
-      contact_pressure_(0.5 * p.fluid_density * solver_->velocity().colwise().squaredNorm().maxCoeff()),
+      contact_{.fluid_density = p.fluid_density,
+               .pressure = dynamic_pressure(p.fluid_density, solver_->velocity())},
       point_size_(point_sizes_or_spacing(solver_->interface(), p)),
       dimension_(p.dimension),
       first_energy_(total(solver_->energy())) {
@@ -168,7 +174,8 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
       probe_columns_.push_back({probe.name + component.name, unit_of(probe)});
   }
   // A plate that enters water is measured from its contact, anything else from the first step.
-  const bool enters = common.fluid_solver != "none" && contact_pressure_ > 0;
+  contact_.from_rest = common.chosen.from_rest;
+  const bool enters = common.fluid_solver != "none" && (contact_.pressure > 0 || contact_.from_rest);
   state_.probes.assign(probe_columns_.size(), enters ? ProbeRecord::waiting_for_contact() : ProbeRecord{});
   state_.energy_scale = first_energy_;
   if (solver_->interface().faces.cols() > 0) loaded_share_ = loaded_faces(p, solver_->interface()).share;
@@ -224,9 +231,12 @@ void StructureParticipant::step(const Window& window, const Input& input) {
 /// Finds contact (cases/VALIDATION.md, "Definitions") from the structure's side. It is the first window in
 /// which the fluid's pressure anywhere exceeds ½ρV².
 void StructureParticipant::look_for_contact(const Window& window, const Load& load) {
-  if (contact_pressure_ == 0 || state_.probes.empty() || state_.probes.front().in_contact()) return;
+  if (state_.probes.empty() || state_.probes.front().in_contact()) return;
+  const double pressure =
+      contact_.from_rest ? dynamic_pressure(contact_.fluid_density, solver_->velocity()) : contact_.pressure;
+  if (pressure == 0) return;
   const Points force = load.at(window.t + 0.5 * window.dt, point_size_.size());
-  if ((force.colwise().norm().transpose().array() <= contact_pressure_ * point_size_.array()).all()) return;
+  if ((force.colwise().norm().transpose().array() <= pressure * point_size_.array()).all()) return;
   for (ProbeRecord& record : state_.probes) record.contact(window.t);
 }
 

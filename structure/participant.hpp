@@ -58,8 +58,13 @@ class StructureParticipant final : public Participant {
   Interpolation interpolation_ = Interpolation::linear;
   Analysis analysis_;
   Eigen::Vector3d support_velocity_;  // [m/s]
-  double contact_pressure_;           // [Pa] ½ρV²: from where on a probe's first peak counts
-  Eigen::VectorXd point_size_;        // n [m] length of the surface that a point's force comes from
+  struct ContactSearch {
+    double fluid_density;    // [kg/m³]
+    double pressure = 0;     // [Pa] ½ρV² of t = 0: from where on a probe's first peak counts
+    bool from_rest = false;  // V is the speed of the body in the window
+  };
+  ContactSearch contact_;
+  Eigen::VectorXd point_size_;  // n [m] length of the surface that a point's force comes from
   int dimension_;
   std::vector<ProbeKeys> probes_;  // those of the structure
   std::vector<Column> probe_columns_;

@@ -47,10 +47,15 @@ void flatten(const toml::table& table, const std::string& prefix, std::map<std::
       continue;
     }
     const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
-    if (const auto* inner = node.as_table())
+    if (const auto* inner = node.as_table()) {
       flatten(*inner, path, value);
-    else
-      value[path] = text_of(node);
+      continue;
+    }
+    value[path] = text_of(node);
+    if (!node.is_array_of_tables()) continue;
+    std::size_t k = 0;
+    for (const toml::node& one : *node.as_array())
+      flatten(*one.as_table(), fmt::format("{}[{}]", path, k++), value);
   }
 }
 

@@ -85,7 +85,8 @@ std::vector<double> numbers_in(const std::string& value);
 
 CaseLookup lookup_in(std::map<std::string, std::string> values);
 
-/// Every value of a TOML text by its full key: numbers in shortest form, arrays as "[0, -6.26, 0]".
+/// Every value of a TOML text by its full key: numbers in shortest form, arrays as "[0, -6.26, 0]". Tables of
+/// a list are counted, "structure.box[0].min", and those of structures and attachments have their names.
 std::map<std::string, std::string> flatten_toml(const std::string& text, const std::string& name);
 
 }  // namespace strake

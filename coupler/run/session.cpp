@@ -339,12 +339,19 @@ std::vector<std::string> Session::mapping_lines() const {
 }
 
 std::vector<std::string> Session::resolution() const {
-  // Its widths are those of one body.
-  if (structure_ == nullptr || assembly_) return resolution_lines(case_, {}, {});
-  const std::vector<Field> initial = initial_for_fluid(*structure_);
-  const Field* velocity = find(initial, "velocity");
-  return resolution_lines(case_, mesh_for_fluid(*structure_),
-                          velocity == nullptr ? Points() : Points(velocity->value));
+  if (structure_ == nullptr) return resolution_lines(case_, {});
+  const auto moving = [](const std::string& name, const Participant& body) {
+    const std::vector<Field> initial = initial_for_fluid(body);
+    const Field* velocity = find(initial, "velocity");
+    return MovingBody{.name = name,
+                      .mesh = mesh_for_fluid(body),
+                      .velocity = velocity == nullptr ? Points() : Points(velocity->value)};
+  };
+  std::vector<MovingBody> bodies;
+  for (std::size_t k = 0; assembly_ && k < bodies_.size(); ++k)
+    bodies.push_back(moving(case_.structures[k].side, *bodies_[k]));
+  if (bodies.empty()) bodies.push_back(moving("", *structure_));
+  return resolution_lines(case_, bodies);
 }
 
 std::string Session::cannot_resume() const {

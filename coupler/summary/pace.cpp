@@ -1,5 +1,6 @@
 #include "coupler/summary/pace.hpp"
 
+#include "coupler/summary/materials.hpp"
 #include "proto/case/size_limit.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
@@ -252,22 +253,21 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         fmt::format("structure.wedge.deadrise = {:.3g} deg is nearly level: angles are in degrees, and "
                     "{:.3g} rad are {:.3g}",
                     deadrise, deadrise, deadrise / degree));
-  if (!view.any_deforms()) return;
-  constexpr double softest = 1e4, lightest = 20;  // [Pa] of a gel, [kg/m³] of a foam
-  constexpr double rubber = 1e6, heavy = 2000;    // [Pa], [kg/m³]: what is heavier than rubber is a metal
-  const double young = view.number("structure.material.young").value_or(infinite),
-               density = view.number("structure.material.density").value_or(infinite);
-  if (young < softest)
-    lines.push_back(
-        fmt::format("structure.material.young = {:.3g} Pa is softer than a gel; 210 GPa are 2.1e11", young));
-  else if (young < rubber && density > heavy && std::isfinite(density))
-    lines.push_back(fmt::format(
-        "structure.material.young = {:.3g} Pa is softer than rubber, and {:.4g} kg/m^3 are those of a metal; "
-        "210 000 MPa are 2.1e11",
-        young, density));
-  if (density < lightest)
-    lines.push_back(fmt::format(
-        "structure.material.density = {:.3g} kg/m^3 is lighter than foam; 7.8 g/cm^3 are 7800", density));
+}
+
+/// A vector with a length along z in a case of the plane, which nothing reads: [0, -9,81] for [0, -9.81].
+void look_at_plane(const CaseView& view, std::vector<std::string>& lines) {
+  if (view.number("fluid.dimension").value_or(2) > 2.5) return;
+  std::vector<std::string> keys = {"fluid.gravity", "fluid.initial_velocity.value"};
+  for (const SideView& side : view.structures)
+    for (const char* key : {".velocity", ".initial_velocity.value"})
+      keys.push_back((side.is_body ? "structures." + side.side : "structure") + key);
+  for (const std::string& key : keys)
+    if (const auto vector = numbers_in(at_or(view.value, key)); vector.size() > 2 && vector[2] != 0)
+      lines.push_back(
+          fmt::format("{} = [{:g}, {:g}, {:g}] has a part along z, which a case in the plane leaves out: a "
+                      "number has a decimal point, [0, -9.81]",
+                      key, vector[0], vector[1], vector[2]));
 }
 
 /// A body that stays where it is while the tank moves past it, which is seldom meant of one that is held.
@@ -288,10 +288,12 @@ void look_at_tank(const CaseView& view, std::vector<std::string>& lines) {
 
 std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   std::vector<std::string> lines;
+  look_at_materials(view, lines);
   const auto pace = pace_of(view);
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
   look_at_units(view, lines);
+  look_at_plane(view, lines);
   look_at_tank(view, lines);
   constexpr double usual = 40;  // spacings across a body
   const double l0 = view.number("fluid.spacing").value_or(0);

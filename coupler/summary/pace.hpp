@@ -25,9 +25,10 @@ std::optional<Pace> pace_of(const CaseView&);
 /// there is no Pace.
 std::vector<std::string> pace_lines(const CaseView&);
 
-/// One line for each key that makes the run twenty times finer or coarser than Strake would. Looked at are
-/// the step, the window, the spacing beside the body, and the speed of sound. A line names the value that
-/// Strake would take, and the cost or the risk. extent: largest length of the body [m]; 0: not known.
+/// One line for each key that makes the run twenty times finer or coarser than Strake would, or that has
+/// another unit. Looked at are the step, the window, the spacing beside the body, the speed of sound,
+/// materials. A line names the value that Strake would take, and the cost or the risk. extent: largest length
+/// of the body [m]; 0: not known.
 std::vector<std::string> far_off_lines(const CaseView&, double extent);
 
 }  // namespace strake

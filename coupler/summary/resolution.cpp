@@ -66,16 +66,26 @@ double rise_that_wets(const InterfaceMesh& body, double lowest, double half, dou
   return high;
 }
 
+/// Way that a body falls from rest until the end [m], ½ g t², where it is free to; else 0.
+double fall_of(const CaseView& view) {
+  const std::vector<double> gravity = numbers_in(at_or(view.value, "fluid.gravity"));
+  if (!view.common.chosen.from_rest || gravity.size() < 2 || at_or(view.value, "structure.free.y") != "true")
+    return 0;
+  return std::max(0.0, -0.5 * gravity[1] * view.common.end_time * view.common.end_time);
+}
+
 /// Nothing where the body does not come down on the water; half = 0 where it does not reach it. Water rises
 /// along an inclined face by π/2 of the depth (Wagner 1932).
 std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& body, const Points& velocity,
                                     double level) {
   if (body.position.cols() == 0 || velocity.cols() != body.position.cols()) return std::nullopt;
   const double lowest = body.position.row(1).minCoeff(), speed = -velocity.row(1).minCoeff();
-  if (lowest < level - 1e-9) return std::nullopt;
+  // A table changes the speed: how far the body comes is not known here.
+  if (lowest < level - 1e-9 || view.common.chosen.by_table > 0) return std::nullopt;
   if (speed < 0 && !view.moves_freely()) return Wetted{};  // driven upwards
-  if (!(speed > 0)) return std::nullopt;
-  const double depth = speed * view.common.end_time - (lowest - level);
+  const double way = speed > 0 ? speed * view.common.end_time : fall_of(view);
+  if (!(way > 0)) return std::nullopt;
+  const double depth = way - (lowest - level);
   if (!(depth > 0)) return Wetted{};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
   if (!(half > 0)) return Wetted{};
@@ -223,16 +233,25 @@ double peak_width(double c, double slope) {
 
 std::vector<std::string> resolution_lines(const CaseView& view, const InterfaceMesh& body,
                                           const Points& velocity) {
+  return resolution_lines(view, {{.name = "", .mesh = body, .velocity = velocity}});
+}
+
+std::vector<std::string> resolution_lines(const CaseView& view, const std::vector<MovingBody>& bodies) {
   std::vector<std::string> lines;
   const auto spacing = view.number("fluid.spacing");
   if (!view.fluid || view.fluid->solver != "mps" || !spacing) return lines;
   if (const auto line = layers_line(view)) lines.push_back(*line);
-  if (const auto level = water_level(view))
-    if (const auto wetted = wetted_at_end(view, body, velocity, *level)) {
-      lines.push_back(width_line(*wetted, *spacing));
-      if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(*jet);
-    }
-  for (std::string& line : sensor_lines(view, body, *spacing)) lines.push_back(std::move(line));
+  const auto level = water_level(view);
+  for (const auto& [name, mesh, velocity] : bodies) {
+    const auto wetted = level ? wetted_at_end(view, mesh, velocity, *level) : std::nullopt;
+    if (!wetted) continue;
+    const std::string begin = name.empty() ? "" : name + ": ";
+    lines.push_back(begin + width_line(*wetted, *spacing));
+    if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(begin + *jet);
+  }
+  if (bodies.size() == 1)  // of several it is not known on which one a sensor sits
+    for (std::string& line : sensor_lines(view, bodies.front().mesh, *spacing))
+      lines.push_back(std::move(line));
   lines.push_back("one spacing: not checked against a second spacing (strake study varies fluid.spacing)");
   return lines;
 }

@@ -14,6 +14,15 @@ namespace strake {
 /// structure's mesh; velocity: of its points at t = 0 (3×n, or empty).
 std::vector<std::string> resolution_lines(const CaseView&, const InterfaceMesh& body, const Points& velocity);
 
+/// One of several bodies: its surface, and the velocity of its points at t = 0 (3×n, or empty).
+struct MovingBody {
+  std::string name;
+  InterfaceMesh mesh;
+  Points velocity;
+};
+/// The same for several bodies; the lines on wetted widths begin with the body's name.
+std::vector<std::string> resolution_lines(const CaseView&, const std::vector<MovingBody>&);
+
 /// Half the width of the part of a body that a level water surface at height y would wet [m]. It is that
 /// along x, of several hulls that of the widest. In space it is the smaller one of those along x and z, which
 /// decides the force on a slender body.

@@ -4,6 +4,7 @@
 #include "coupler/summary/history_metrics.hpp"
 #include "coupler/summary/notes.hpp"
 #include "proto/lookup.hpp"
+#include "proto/probe.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -101,8 +102,9 @@ void Summary::add(const CommittedWindow& window) {
       const auto colon = key.find(':');
       if (colon == std::string::npos) continue;
       const std::string probe = key.substr(0, colon);
-      if (std::find(probes_.begin(), probes_.end(), probe) == probes_.end()) probes_.push_back(probe);
       results_[key] = value;
+      const bool known = std::find(probes_.begin(), probes_.end(), probe) != probes_.end();
+      if (!known && key != contact_of_body) probes_.push_back(probe);
     }
   drop_peaks_before_contact();
 }
@@ -117,12 +119,13 @@ double Summary::contact_time() const {
 }
 
 /// A first peak is one after contact (cases/VALIDATION.md, "Definitions"), which only the fluid detects.
-/// Values of a structure's probe before contact are vibrations of a body in the air.
+/// Values of a structure's probe before contact are vibrations of a body in the air. A gauge, and a sensor on
+/// a wall, know no contact.
 void Summary::drop_peaks_before_contact() {
   const double contact = contact_time();
   for (const std::string& probe : probes_) {
     const auto time = results_.find(probe + ":time_of_first_peak");
-    if (time == results_.end() || time->second >= contact) continue;
+    if (time == results_.end() || time->second >= contact || !structure_.contains(time->first)) continue;
     results_.erase(time);
     results_.erase(probe + ":first_peak");
   }

@@ -169,6 +169,14 @@ double speed_by_table(const CaseFile& file, double end_time) {
   }
 }
 
+/// Whether a body that starts out of the water has no speed of its own there, and gets one later.
+bool starts_at_rest(const CaseFile& file, double by_table) {
+  for (const char* path :
+       {"structure.velocity", "structure.angular_velocity", "structure.initial_velocity.value"})
+    if (norm_of(file, path, 0) > 0) return false;
+  return !file.is_true("fluid.submerged") && !tank_moves(file) && (by_table > 0 || falls_free(file));
+}
+
 /// Speed of the body or of waves in the water [m/s].
 double speed_of(const CaseFile& file, const CommonKeys& keys, double by_table, double g) {
   double speed = std::max({norm_of(file, "structure.velocity", 0),
@@ -245,6 +253,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
   choice.by_table = speed_by_table(file, keys.end_time);
   choice.speed = speed_of(file, keys, choice.by_table, g);
+  choice.from_rest = starts_at_rest(file, choice.by_table);
   const std::string& solver = keys.structure_solver;
   const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";

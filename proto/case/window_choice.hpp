@@ -14,7 +14,8 @@ struct WindowChoice {
   bool known = true;     // the flow is: otherwise the window is the usual one, and no measure of another
   double speed = 0;      // [m/s] of the body, or of waves in the water
   double by_table = 0;   // [m/s] the largest that structure.motion.file gives the body
-  std::string why;       // the bound that decided, in words
+  bool from_rest = false;  // the body starts at rest out of the water, and moves: free, or by a table
+  std::string why;         // the bound that decided, in words
 };
 
 /// Chooses the exchange window of surface coupling from what the case gives of fluid and structure.

@@ -218,6 +218,29 @@ TEST(StructureParticipant, FirstPeakOfAnEnteringPlateCountsFromContactAlone) {
   EXPECT_GT(after.monitor.at("mid.y:time_of_first_peak"), hit);
 }
 
+TEST(StructureParticipant, ABodyFromRestIsMeasuredFromItsContactToo) {
+  constexpr MotionColumn rate = MotionColumn::rate, absent = MotionColumn::absent;
+  Parameters p = driven_plate();
+  p.velocity.setZero();
+  p.motion = MotionTable({0, 1e-4, 1}, {absent, rate, absent, absent}, {{{}, {0, -6.26, -6.26}, {}, {}}});
+  CommonKeys common = mid_probe("displacement");
+  const auto contact_under = [&](double pressure) {
+    StructureParticipant plate(std::make_unique<Rigid>(p), p, common, {});
+    Advanced last;
+    for (int k = 0; k < 60; ++k) {
+      last = plate.advance({k * 1e-5, 1e-5}, push(plate.mesh(), k < 40 ? 0 : 0.01 * pressure));
+      plate.commit(false);
+    }
+    const auto found = last.monitor.find("mid.y:contact");
+    return found == last.monitor.end() ? -1 : found->second;
+  };
+  const double speed_pressure = 0.5 * 1000 * 6.26 * 6.26;  // [Pa] ½ρV²
+  EXPECT_EQ(contact_under(2 * speed_pressure), -1) << "not said to move later: it is measured from the start";
+  common.chosen.from_rest = true;
+  EXPECT_EQ(contact_under(2 * speed_pressure), 40 * 1e-5);
+  EXPECT_EQ(contact_under(0.5 * speed_pressure), -1);
+}
+
 TEST(Replay, GivesTheRecordedMotionAndRefusesAnotherMesh) {
   const Parameters p = driven_plate();
   InterfaceRecord record;

@@ -49,6 +49,8 @@ def spread(values, n, components, what):
     Error where they do not fit, or are not finite.
     """
     try:
+        if values is None or isinstance(values, (str, bytes)):  # numpy takes them for nan, and for numbers
+            raise TypeError
         array = np.asarray(values, "<f8")
     except (TypeError, ValueError):
         raise Error(f"{what} is {type(values).__name__}, expected numbers") from None

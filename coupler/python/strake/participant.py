@@ -232,6 +232,8 @@ class Participant:
 
     def checked(self, values):
         """What `advance` returned, as arrays in the order of `exchanged`."""
+        if values is None:
+            raise Error(f"advance() returned None, expected {', '.join(q.name for q in self.exchanged)}", "end it with return and the values at all points")
         if not isinstance(values, dict):
             if len(self.exchanged) > 1:
                 raise Error(f"advance() returned one array, expected a dict of {', '.join(q.name for q in self.exchanged)}")

@@ -128,7 +128,9 @@ class Participant(unittest.TestCase):
         for advance, words in (("return 0, float('nan')", "displacement is nan at point 0"),
                                ("return np.zeros((4, 3))", r"displacement has the shape \(4, 3\), expected \(3, 3\)"),
                                ("return {'velocity': 0}", "returned velocity, expected displacement"),
-                               ("return None", "displacement")):
+                               ("return None", r"advance\(\) returned None, expected displacement"),
+                               ("return {'displacement': None}", "displacement is NoneType, expected numbers"),
+                               ("return '0'", "displacement is str, expected numbers")):
             solver = self.alone(advance=advance)
             with self.assertRaisesRegex(strake.Error, words):
                 solver.checked(solver.advance(0, 1.0, {"force": LOAD}))

@@ -179,17 +179,85 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   EXPECT_FALSE(says(lines_with({}, view), "first pressure of a level face")) << "its steps are short";
 }
 
-TEST(Pace, AMaterialInAnotherUnitIsSaid) {
-  const auto of = [](const char* young, const char* density) {
-    return Values{{"structure.material.young", young}, {"structure.material.density", density}};
-  };
-  CaseView elastic = wedge();
-  elastic.structures.front().solver = "fem";
-  EXPECT_TRUE(says(lines_with(of("2.1e5", "7850"), elastic), "softer than rubber"));
-  EXPECT_TRUE(lines_with(of("2.1e5", "1100"), elastic).empty()) << "a soft rubber";
-  EXPECT_TRUE(lines_with(of("210", "7.8")).empty()) << "a rigid body";
-  EXPECT_TRUE(says(lines_with(of("210", "7.8"), elastic), "softer than a gel"));
-  EXPECT_TRUE(says(lines_with(of("210", "7.8"), elastic), "lighter than foam"));
+CaseView elastic_wedge(const std::string& young, const std::string& density) {
+  CaseView view = wedge();
+  view.structures.front().solver = "fem";
+  view.value["structure.material.young"] = young;
+  view.value["structure.material.density"] = density;
+  return view;
+}
+
+TEST(Pace, MaterialsInAnotherUnitAreSaid) {
+  CaseView view = elastic_wedge("210", "7.8");
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "softer than a gel"));
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "lighter than foam"));
+  view.structures.front().solver = "rigid";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  for (const char* young : {"2.1e5", "2.1e8"})
+    EXPECT_TRUE(says(far_off_lines(elastic_wedge(young, "7850"), 0.5),
+                     "softer than any metal, and 7850 kg/m^3 are those of steel"))
+        << young;
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("7e7", "2700"), 0.5), "those of aluminium; 70 GPa are 7e10"));
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("3.5e5", "2200"), 0.5), "softer than rubber"));
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("2.1e14", "7800"), 0.5), "stiffer than diamond"));
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("2.1e11", "7.8e5"), 0.5), "heavier than any metal"));
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("7e10", "7800"), 0.5), "that of aluminium, density = 7800"));
+  EXPECT_TRUE(says(far_off_lines(elastic_wedge("2.1e11", "2700"), 0.5), "that of steel, density = 2700"));
+}
+
+TEST(Pace, MaterialsThatThereAreAreNotSaid) {
+  const std::vector<std::pair<const char*, const char*>> known = {
+      {"2.1e11", "7850"}, {"7e10", "2700"},    {"1e11", "7200"},  // steel, aluminium, cast iron
+      {"1e11", "8500"},   {"1.6e10", "11340"},                    // brass, lead
+      {"3e9", "1200"},    {"1e6", "1100"},     {"2e5", "1100"},   // a plastic, rubbers
+      {"3e7", "100"},     {"1.2e10", "600"},                      // a foam, wood
+      {"1e6", "2500"},    {"1.4e6", "10000"}};                    // soft walls of test cases
+  for (const auto& [young, density] : known)
+    EXPECT_TRUE(far_off_lines(elastic_wedge(young, density), 0.5).empty()) << young << " " << density;
+}
+
+TEST(Pace, MaterialsOfBoxesAndOfSeveralBodiesAreLookedAt) {
+  CaseView view = elastic_wedge("2.1e11", "7800");
+  for (const char* box : {"[0]", "[1]", "[2]"}) {
+    const std::string table = std::string("structure.box") + box + ".material";
+    view.value[table + ".young"] = box == std::string("[0]") ? "2.1e11" : "2.1e8";
+    view.value[table + ".density"] = "7800";
+  }
+  ASSERT_EQ(far_off_lines(view, 0.5).size(), 1u) << "two boxes of one material are one line";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "structure.box[1].material.young = 2.1e+08"));
+  view = elastic_wedge("2.1e11", "7800");
+  view.structures.push_back(view.structures.front());
+  for (SideView& side : view.structures) side.is_body = true;
+  view.structures[0].side = "left";
+  view.structures[0].solver = "rigid";
+  view.structures[1].side = "right";
+  view.value["structures.left.material.young"] = view.value["structures.right.material.young"] = "210";
+  ASSERT_EQ(far_off_lines(view, 0.5).size(), 1u) << "a rigid body";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "structures.right.material.young = 210 Pa"));
+  view.fluid.reset();
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "structures.right.material.young")) << "no water";
+}
+
+TEST(Pace, APartAlongZIsSaidInThePlane) {
+  CaseView view = wedge();
+  view.value["fluid.gravity"] = "[0, -9, 81]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity = [0, -9, 81] has a part along z"));
+  view.value["fluid.dimension"] = "3";
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "along z"));
+  view = wedge();
+  view.value["structure.velocity"] = "[0, -2, 5]";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "structure.velocity = [0, -2, 5] has a part along z"));
+  view.value["structure.velocity"] = "[0, -2.5, 0]";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+}
+
+TEST(Pace, APlateThatIsThickerThanLongIsSaid) {
+  CaseView view = wedge();
+  view.value["structure.plate.length"] = "0.5";
+  view.value["structure.plate.thickness"] = "10";
+  EXPECT_TRUE(says(far_off_lines(view, 0.5), "10 m is more than its length, 0.5 m"));
+  view.value["structure.plate.thickness"] = "0.01";
+  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
 }
 
 TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {

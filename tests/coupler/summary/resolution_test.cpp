@@ -87,6 +87,40 @@ TEST(Resolution, AHollowWedgeIsOneHull) {
   EXPECT_NEAR(half_width_below(shell, 0.05), 0.125, 1e-12);
 }
 
+TEST(Resolution, ABodyThatFallsFromRestHasItsWidth) {
+  Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  wedge.velocity.setZero();
+  CaseView view = case_with(0.005, 0.12);
+  view.value["fluid.gravity"] = "[0, -9.81, 0]";
+  view.value["structure.free.y"] = "true";
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "wetted width"));
+  view.common.chosen.from_rest = true;
+  // Half the width c = π/2 ½ g t²/tan 30° = 0.192 m.
+  EXPECT_TRUE(
+      says(resolution_lines(view, wedge.mesh, wedge.velocity), "38 spacings on half the wetted width"));
+  view.value["structure.free.y"] = "false";
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "wetted width"));
+}
+
+TEST(Resolution, ABodyThatATableDrivesIsNotSaidToStayAway) {
+  Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  wedge.velocity.row(1).setConstant(1e-4);  // the slope of the table's spline at t = 0
+  CaseView view = case_with(0.005, 0.12);
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "does not reach the water"));
+  view.common.chosen.by_table = 2;
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "wetted width"));
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "does not reach the water"));
+}
+
+TEST(Resolution, EachOfSeveralBodiesHasItsLines) {
+  const Wedge wide(0.25, std::tan(std::numbers::pi / 6)), narrow(0.1, std::tan(std::numbers::pi / 6));
+  const auto lines = resolution_lines(
+      case_with(0.005, 0.012), {{"port", wide.mesh, wide.velocity}, {"fin", narrow.mesh, narrow.velocity}});
+  EXPECT_TRUE(says(lines, "port: 39 spacings on half the wetted width"));
+  EXPECT_TRUE(says(lines, "fin: 20.0 spacings on half the wetted width"));
+  EXPECT_TRUE(says(lines, "one spacing"));
+}
+
 TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
   const std::string words = "does not reach the water";

@@ -147,7 +147,7 @@ TEST(Start, WaterAboveTheFloorIsSaidWhereNothingStandsUnderIt) {
   EXPECT_EQ(said(view, body({0, -0.45, 0}, {1, -0.4, 0})), "") << "it may stand on the body";
   EXPECT_TRUE(start_lines(view, {}).empty()) << "the body is not known";
   CaseView more = view;
-  more.value["fluid.more_water[0].box"] = "[[-1, -0.5, 0], [1, -0.4, 0]]";
+  more.value.merge(flatten_toml("[[fluid.more_water]]\nbox = [[-1, -0.5, 0], [1, -0.4, 0]]\n", "case.toml"));
   EXPECT_EQ(said(more, above), "");
   CaseView weightless = view;
   weightless.value["fluid.gravity"] = "[0, 0, 0]";

@@ -32,6 +32,38 @@ CommittedWindow window_with(int iterations, bool converged, double work_fluid, d
   return window;
 }
 
+TEST(Summary, TheContactOfABodyWithoutProbesCountsAndIsNoProbe) {
+  Table history;
+  history.columns = {{"window", "1"}, {"time", "s"}, {"force.y", "N/m"}};
+  history.value.resize(3);
+  for (int k = 1; k <= 20; ++k) {
+    history.value[0].push_back(k);
+    history.value[1].push_back(1e-4 * k);
+    history.value[2].push_back(k <= 10 ? 0 : 500);
+  }
+  const auto impulse_after = [&](std::map<std::string, double> fluid) {
+    CommittedWindow window = window_with(1, true, 0, 0);
+    window.report.fluid = std::move(fluid);
+    Summary summary("case", "");
+    summary.add(window);
+    summary.take_history(history);
+    const auto json = summary.json();
+    EXPECT_FALSE(json["probes"].contains("body"));
+    return json["probes"]["force.y"]["impulse"];
+  };
+  EXPECT_NEAR(impulse_after({{"body:contact", 1.1e-3}}).get<double>(), 500 * 3e-4, 1e-9);
+  EXPECT_TRUE(impulse_after({{"count.awaiting_contact", 1}}).is_null());
+}
+
+TEST(Summary, AGaugeKeepsItsFirstPeakWhileABodyIsInTheAir) {
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.fluid = {
+      {"count.awaiting_contact", 1}, {"gauge:first_peak", 0.2}, {"gauge:time_of_first_peak", 0.1}};
+  Summary summary("case", "");
+  summary.add(window);
+  EXPECT_EQ(summary.json()["probes"]["gauge"]["first_peak"], 0.2);
+}
+
 TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   const auto json = Summary("plate_entry", "rigid").json();
   EXPECT_EQ(keys(json), (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows",

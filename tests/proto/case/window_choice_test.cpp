@@ -51,6 +51,17 @@ TEST(WindowChoice, ALevelFaceThatMeetsTheWaterKeepsAcousticWindows) {
   EXPECT_EQ(window_with({"fluid.solver=none"}), 1e-5);
 }
 
+TEST(WindowChoice, ABodyThatStartsAtRestAndMovesLaterIsKnown) {
+  const Sets at_rest = {"structure.solver=rigid", "structure.wedge.deadrise=30"};
+  const Sets falls = with(at_rest, {"structure.free.y=true"});
+  EXPECT_TRUE(read_with(falls).chosen.from_rest);
+  EXPECT_FALSE(read_with(at_rest).chosen.from_rest) << "it stays where it is";
+  EXPECT_FALSE(read_with(with(falls, {"structure.velocity=[0,-5]"})).chosen.from_rest);
+  EXPECT_FALSE(read_with(with(falls, {"structure.angular_velocity=1"})).chosen.from_rest);
+  EXPECT_FALSE(read_with(with(falls, {"fluid.submerged=true"})).chosen.from_rest) << "it floats";
+  EXPECT_FALSE(read_with(with(falls, {"fluid.motion.amplitude=0.1"})).chosen.from_rest);
+}
+
 TEST(WindowChoice, AFaceThatDoesNotFallNeedsNoSteps) {
   const Sets held = {"structure.plate.length=1", "structure.plate.supports.left=clamped",
                      "structure.material.young=1e7"};
