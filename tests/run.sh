@@ -12,7 +12,7 @@
 #   all does not do it: it needs root, and 1.5 GB for the bare Debian. Options after it go to tests/packages/install.py (--keep).
 # The fuzz targets need clang, and are run by hand, as long as one likes:
 #   cmake -S . -B build-fuzz -G Ninja -DSTRAKE_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++ && cmake --build build-fuzz
-#   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case)
+#   mkdir -p build-fuzz/wire && build-fuzz/bin/wire_fuzz -malloc_limit_mb=64 build-fuzz/wire tests/fuzz/corpus/wire   (and case, mesh)
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "$here/.."

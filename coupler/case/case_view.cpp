@@ -246,7 +246,8 @@ std::map<std::string, std::string> flatten_toml(const std::string& text, const s
   } catch (const toml::parse_error& error) {
     throw Error(ExitCode::case_file,
                 fmt::format("{}:{}:{}", name, error.source().begin.line, error.source().begin.column),
-                std::string(error.description()));
+                "not TOML: " + std::string(error.description()),
+                "a run writes this file itself: put its own one back, or run the case again");
   }
 }
 

@@ -92,6 +92,7 @@ class BlockReader {
     if ((rows >= 0 && found->second.rows() != rows) || (columns >= 0 && found->second.cols() != columns))
       throw broken(fmt::format("{} is {}×{}, expected {}×{}", name, found->second.rows(),
                                found->second.cols(), rows, columns));
+    if (!found->second.allFinite()) throw broken(name + " holds what is no finite number");
     return found->second;
   }
   std::vector<std::int64_t> integer(const std::string& name, std::size_t size) const {
@@ -110,27 +111,45 @@ class BlockReader {
   const Archive& archive_;
 };
 
+/// Sizes are compared with what the file holds before anything of that size is made.
+InterfaceMesh read_mesh(const BlockReader& in, const Archive& archive) {
+  InterfaceMesh mesh;
+  mesh.name = "structure";
+  mesh.position = in.real("position", 3, -1);
+  const Index n = mesh.position.cols();
+  const auto shape = in.integer("mesh", 3);
+  const auto found = archive.integer.find("faces");
+  const std::vector<std::int64_t> faces =
+      found != archive.integer.end() ? found->second : std::vector<std::int64_t>{};
+  const auto size = static_cast<std::int64_t>(faces.size());
+  if (shape[0] < 2 || shape[0] > 3 || shape[1] < 0 || shape[1] > 4 || shape[2] < 0 || shape[2] > size ||
+      shape[1] * shape[2] != size)
+    throw in.broken("mesh has no such faces");
+  mesh.dimension = static_cast<int>(shape[0]);
+  mesh.faces.resize(shape[1], shape[2]);
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    if (faces[k] < 0 || faces[k] >= n) throw in.broken(fmt::format("a face names point {}", faces[k]));
+    mesh.faces.reshaped()[static_cast<Index>(k)] = static_cast<int>(faces[k]);
+  }
+  mesh.parts = parts_in(archive);
+  MeshPart before;
+  for (const MeshPart& part : mesh.parts) {
+    if (part.first_point < before.first_point || part.first_point > n ||
+        part.first_face < before.first_face || part.first_face > shape[2])
+      throw in.broken(fmt::format("body {} has no such points or faces", part.name));
+    before = part;
+  }
+  mesh.mass = in.real("mass", n, 1, false).reshaped();
+  return mesh;
+}
+
 /// One file, as it stands: velocities that were not sent stay empty.
 InterfaceRecord read_block(const std::filesystem::path& path) {
   const Archive archive = read_archive(path);
   const BlockReader in(path, archive);
   InterfaceRecord record;
-  record.mesh.name = "structure";
-  record.mesh.position = in.real("position", 3, -1);
+  record.mesh = read_mesh(in, archive);
   const Index n = record.mesh.position.cols();
-  const auto shape = in.integer("mesh", 3);
-  record.mesh.dimension = static_cast<int>(shape[0]);
-  if (shape[1] < 0 || shape[1] > 4 || shape[2] < 0) throw in.broken("mesh has no such faces");
-  record.mesh.faces.resize(shape[1], shape[2]);
-  if (record.mesh.faces.size() > 0) {
-    const auto faces = in.integer("faces", static_cast<std::size_t>(shape[1] * shape[2]));
-    for (std::size_t k = 0; k < faces.size(); ++k) {
-      if (faces[k] < 0 || faces[k] >= n) throw in.broken(fmt::format("a face names point {}", faces[k]));
-      record.mesh.faces.reshaped()[static_cast<Index>(k)] = static_cast<int>(faces[k]);
-    }
-  }
-  record.mesh.parts = parts_in(archive);
-  record.mesh.mass = in.real("mass", n, 1, false).reshaped();
   if (const MatrixXd u = in.real("initial_displacement", 3, n, archive.real.contains("displacement"));
       u.size() > 0)
     record.initial_displacement = u;

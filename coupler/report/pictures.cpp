@@ -106,7 +106,7 @@ std::optional<picture::View> around_body(const picture::Scene& scene) {
     for (const picture::Place& p : patch.corner) add(p);
   for (const picture::Mark& mark : scene.solid) add(mark.at);
   const double length = x.empty() ? 0 : std::max(x.hi - x.lo, y.hi - y.lo);
-  if (scene.water.empty() || x.empty() || length > 0.4 * (scene.x.hi - scene.x.lo)) return std::nullopt;
+  if (scene.water.empty() || !(length > 0) || length > 0.4 * (scene.x.hi - scene.x.lo)) return std::nullopt;
   const double room = 1.5 * scene.spacing;
   return picture::View{std::max(x.lo - length, scene.x.lo - room), std::max(y.lo - length, scene.y.lo - room),
                        std::min(x.hi + length, scene.x.hi + room),

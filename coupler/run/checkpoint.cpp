@@ -206,9 +206,10 @@ void check_end_time(const CaseView& view, const fs::path& run_folder, const fs::
 
 std::vector<std::string> settled_sets(const fs::path& case_file, std::vector<std::string> sets,
                                       const fs::path& run_folder) {
-  const auto text = read_text(run_folder / "case.toml");
+  const fs::path path = run_folder / "case.toml";
+  const auto text = read_text(path);
   if (!text) return sets;  // check_same_case says so
-  const auto before = flatten_toml(*text, "case.toml");
+  const auto before = flatten_toml(*text, path.string());
   const std::string step = "fluid.scheme.time_step", window = "coupling.surface.window",
                     probes = "output.default_probes";
   const std::vector<std::string> given = given_among({step, window, probes}, case_file, sets);

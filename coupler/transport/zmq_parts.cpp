@@ -6,10 +6,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <linux/sockios.h>
+#include <memory>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -23,15 +25,24 @@ constexpr int heartbeat_every = 150;         // [ms]
 constexpr int heartbeat_limit = 500;         // [ms]
 constexpr std::size_t worth_sharing = 4096;  // [bytes] a smaller part is copied faster than shared
 
+/// The owner of bytes while ZeroMQ has them. ZeroMQ hands them from thread to thread by locks of its own,
+/// which the thread sanitizer does not see; `handed_over` is written before and read after them.
+struct Kept {
+  std::shared_ptr<const void> owner;
+  std::atomic<bool> handed_over{false};
+};
+
 /// ZeroMQ gives the bytes back in its own thread once they have left.
-void give_back(void*, void* owner) {
-  delete static_cast<std::shared_ptr<const void>*>(owner);
+void give_back(void*, void* kept) {
+  const std::unique_ptr<Kept> own(static_cast<Kept*>(kept));
+  static_cast<void>(own->handed_over.load(std::memory_order_acquire));
 }
 
 zmq::message_t to_message(const wire::Part& part) {
   if (!part.owner || part.bytes.size() < worth_sharing) return {part.bytes.data(), part.bytes.size()};
-  auto* keep = new std::shared_ptr<const void>(part.owner);
-  return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), give_back, keep};
+  auto kept = std::make_unique<Kept>(part.owner);
+  kept->handed_over.store(true, std::memory_order_release);
+  return {const_cast<std::byte*>(part.bytes.data()), part.bytes.size(), give_back, kept.release()};
 }
 
 /// Whether the socket has something to read; false after `limit` or when a signal arrived.

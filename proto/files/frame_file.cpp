@@ -29,6 +29,7 @@ std::vector<Frame::Array> read_arrays(const hdf5::Reader& file, const std::strin
                       .value = file.real(path).transpose()});
     if (arrays.back().value.cols() != n)
       throw damaged(from, fmt::format("{} has {} rows, not {}", path, arrays.back().value.cols(), n));
+    if (arrays.back().value.rows() == 0) throw damaged(from, fmt::format("{} has no columns", path));
   }
   return arrays;
 }
@@ -52,7 +53,8 @@ std::vector<FrameFile> list_frames(const std::filesystem::path& run_folder, cons
 
 std::optional<double> time_of_frame(const std::filesystem::path& path) {
   try {
-    return hdf5::Reader(path, hdf5::frame_format).number("time");
+    const double time = hdf5::Reader(path, hdf5::frame_format).number("time");
+    return std::isfinite(time) ? std::optional(time) : std::nullopt;
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -257,8 +257,10 @@ std::vector<std::int64_t> Reader::integer(const std::string& path, const Slice* 
 
 double Reader::number(const std::string& name) const {
   const Handle attribute(H5Aopen(file_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  const Handle space(attribute.get() < 0 ? -1 : H5Aget_space(attribute.get()), H5Sclose);
   double value = 0;
-  if (attribute.get() < 0 || H5Aget_storage_size(attribute.get()) != sizeof value ||
+  // HDF5 writes a double for each value of the attribute, however few bytes it has in the file.
+  if (space.get() < 0 || H5Sget_simple_extent_npoints(space.get()) != 1 ||
       H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
     refuse("has no number " + name);
   return value;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -78,13 +79,15 @@ std::string attribute_type(int components) {
   return types.contains(components) ? types.at(components) : "Matrix";
 }
 
+/// Kinds of cells by the number of their nodes; those of four depend on the dimension.
+const std::map<std::int64_t, std::string> topologies = {{1, "Polyvertex\" NodesPerElement=\"1"},
+                                                        {2, "Polyline\" NodesPerElement=\"2"},
+                                                        {3, "Triangle"},
+                                                        {4, "Tetrahedron"},
+                                                        {8, "Hexahedron"}};
+
 std::string topology(int nodes_per_cell, int dimension) {
-  static const std::map<int, std::string> cells = {{1, "Polyvertex\" NodesPerElement=\"1"},
-                                                   {2, "Polyline\" NodesPerElement=\"2"},
-                                                   {3, "Triangle"},
-                                                   {8, "Hexahedron"}};
-  if (nodes_per_cell == 4) return dimension == 2 ? "Quadrilateral" : "Tetrahedron";
-  return cells.at(nodes_per_cell);
+  return nodes_per_cell == 4 && dimension == 2 ? "Quadrilateral" : topologies.at(nodes_per_cell);
 }
 
 std::string attributes(const std::vector<std::pair<std::string, int>>& arrays, const std::string& center,
@@ -146,8 +149,8 @@ void write_archive(const std::filesystem::path& path, const Archive& archive, co
 
 ArchiveSource source_of(const Archive& archive) {
   ArchiveSource source;
-  for (const auto& [name, value] : archive.real) source.real[name] = [&value] { return value; };
-  for (const auto& [name, value] : archive.integer) source.integer[name] = [&value] { return value; };
+  for (const auto& [name, value] : archive.real) source.real[name] = [&value = value] { return value; };
+  for (const auto& [name, value] : archive.integer) source.integer[name] = [&value = value] { return value; };
   return source;
 }
 
@@ -323,6 +326,7 @@ std::optional<FrameSeries::Entry> FrameSeries::entry_of(const std::filesystem::p
   entry.file = "frames/" + path.filename().string();
   entry.n_points = file.shape("/position")[0];
   const auto cells = file.shape("/cells");
+  if (!std::isfinite(entry.time) || !topologies.contains(cells[1])) return std::nullopt;
   entry.n_cells = cells[0];
   entry.nodes_per_cell = static_cast<int>(cells[1]);
   for (const std::string& link : file.names("/point"))

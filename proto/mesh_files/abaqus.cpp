@@ -70,10 +70,7 @@ class AbaqusReader {
       else
         read_data(split(line));
     }
-    for (MeshText::Element& element : mesh_.element)
-      if (const auto found = element_set_.find(element.number);
-          found != element_set_.end() && element.group.empty())
-        element.group = found->second;
+    fill_sets();
     if (mesh_.node.empty() || mesh_.element.empty())
       throw wrong("the file has no *NODE or no *ELEMENT lines");
     return std::move(mesh_);
@@ -136,18 +133,40 @@ class AbaqusReader {
                                       [](const std::string& w) { return upper(w) == "GENERATE"; });
     std::vector<long> members;
     for (const std::string& word : words) members.push_back(number_of<long>(word));
-    if (generate) {
-      if (members.size() < 2) throw wrong("expected FIRST, LAST[, STEP]");
-      const long first = members[0], last = members[1], step = members.size() > 2 ? members[2] : 1;
-      if (step < 1 || last < first || last - first > 100'000'000)
-        throw wrong("expected FIRST, LAST[, STEP] ascending");
-      members.clear();
-      for (long k = first; k <= last; k += step) members.push_back(k);
+    std::vector<Members>& all = section_ == "*NSET" ? node_members_ : element_members_;
+    if (!generate) {
+      for (const long member : members) all.push_back({member, member, 1, set_});
+      return;
     }
-    if (section_ == "*NSET")
-      mesh_.node_set[set_].insert(mesh_.node_set[set_].end(), members.begin(), members.end());
-    else
-      for (const long member : members) element_set_[member] = set_;
+    if (members.size() < 2) throw wrong("expected FIRST, LAST[, STEP]");
+    const long first = members[0], last = members[1], step = members.size() > 2 ? members[2] : 1;
+    if (step < 1 || first < 0 || last < first) throw wrong("expected FIRST, LAST[, STEP] ascending");
+    all.push_back({first, last, step, set_});
+  }
+
+  /// Sets hold what the mesh has of their numbers: a short line can name more numbers than there is memory.
+  /// Of several sets an element belongs to the last.
+  void fill_sets() {
+    for (const Members& members : node_members_)
+      for_each_in(members, mesh_.node,
+                  [&](const auto& node) { mesh_.node_set[members.set].push_back(node.first); });
+    std::map<long, std::string> set_of;
+    for (const MeshText::Element& element : mesh_.element) set_of[element.number];
+    for (const Members& members : element_members_)
+      for_each_in(members, set_of, [&](auto& element) { element.second = members.set; });
+    for (MeshText::Element& element : mesh_.element)
+      if (element.group.empty()) element.group = set_of[element.number];
+  }
+
+  /// Numbers of a set: first, first + step … up to last.
+  struct Members {
+    long first, last, step;
+    std::string set;
+  };
+  template <class Map, class Work>
+  static void for_each_in(const Members& members, Map& map, const Work& work) {
+    for (auto at = map.lower_bound(members.first); at != map.end() && at->first <= members.last; ++at)
+      if ((at->first - members.first) % members.step == 0) work(*at);
   }
 
   std::filesystem::path path_;
@@ -156,7 +175,7 @@ class AbaqusReader {
   std::vector<std::string> keyword_, pending_;  // pending: of an element that goes on over several lines
   CellShape shape_;
   std::string section_, set_;
-  std::map<long, std::string> element_set_;
+  std::vector<Members> node_members_, element_members_;
 };
 
 }  // namespace

@@ -3,16 +3,35 @@
 #include "proto/error.hpp"
 #include "proto/text.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 
 namespace strake {
 
-MeshText read_mesh_text(const std::filesystem::path& path) {
+namespace {
+
+// New nodes are numbered from the largest on.
+constexpr long largest_number = 1'000'000'000'000'000;
+
+MeshText read_of_its_kind(const std::filesystem::path& path) {
   const std::string ending = lower_case(path.extension().string());
   if (ending == ".msh") return read_gmsh(path);
   if (ending == ".inp") return read_abaqus(path);
   throw Error(ExitCode::case_file, path.string(), "a mesh file ends in .msh (Gmsh) or .inp (Abaqus)",
               "gmsh -2 -format msh41 FILE.geo");
+}
+
+}  // namespace
+
+MeshText read_mesh_text(const std::filesystem::path& path) {
+  MeshText mesh = read_of_its_kind(path);
+  if (!mesh.node.empty() && mesh.node.rbegin()->first > largest_number)
+    throw Error(
+        ExitCode::case_file, path.string(),
+        fmt::format("has a node of number {}, the largest is {}", mesh.node.rbegin()->first, largest_number),
+        "number the nodes anew: 1, 2, 3 …");
+  return mesh;
 }
 
 bool is_face(const MeshText::Element& element, int dimension) {

@@ -52,8 +52,9 @@ struct Rules {
   void label(const std::string& text, const char* what, std::size_t longest = 200 /* bytes */) const {
     if (text.size() > longest)
       broken(fmt::format("gives a {} of {} bytes, expected at most {}", what, text.size(), longest));
-    for (const unsigned char c : text)
-      if (c < 0x20 || c == 0x7f) broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
+    for (const char letter : text)
+      if (const auto c = static_cast<unsigned char>(letter); c < 0x20 || c == 0x7f)
+        broken(fmt::format("gives a {} that holds the character {:#04x}", what, c));
   }
   /// The columns of history.csv are identified by their names.
   void columns(const std::vector<Column>& all) const {

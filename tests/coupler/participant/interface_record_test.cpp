@@ -2,11 +2,14 @@
 
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
 
 namespace strake {
 namespace {
@@ -240,6 +243,35 @@ TEST(InterfaceRecord, OfAnEarlierVersionWithoutUnitsIsRead) {
   write_archive(file, read_archive(file));
   ASSERT_TRUE(read_archive_units(file).empty());
   EXPECT_EQ(read_interface_record(folder.path()).force[2], force(2));
+}
+
+// A size that a damaged file claims must not become memory, nor a part of the mesh that is not there be read.
+TEST(InterfaceRecord, RefusesWhatItsFileDoesNotHold) {
+  TemporaryFolder folder;
+  const auto says = [&](const std::string& problem, const std::function<void(Archive&)>& damage) {
+    InterfaceRecorder recorder(folder.path(), strip(), initial, 100);
+    record(recorder, 0, 3);
+    recorder.flush();
+    const std::filesystem::path file = folder / "interface/000001.h5";
+    Archive archive = read_archive(file);
+    damage(archive);
+    write_archive(file, archive);
+    const std::string text =
+        text_of_error([&] { read_interface_record(folder.path()); }, ExitCode::case_file);
+    EXPECT_NE(text.find(problem), std::string::npos) << text;
+  };
+  const std::int64_t large = 1'000'000'000'000'000'000;
+  for (const std::vector<std::int64_t>& shape : std::vector<std::vector<std::int64_t>>{
+           {2, 2, large}, {2, 4, large * 4}, {2, 0, large}, {2, 2, -1}, {2, 2, 1}, {large, 2, 2}})
+    says("mesh has no such faces", [&](Archive& archive) { archive.integer["mesh"] = shape; });
+  says("a face names point 3", [](Archive& archive) { archive.integer["faces"][1] = 3; });
+  for (const std::vector<std::int64_t>& begin :
+       std::vector<std::vector<std::int64_t>>{{4, 0}, {0, 3}, {-1, 0}, {0, -1}})
+    says("body bow has no such points or faces",
+         [&](Archive& archive) { archive.integer["body.bow"] = begin; });
+  for (const char* name : {"time", "dt", "displacement", "velocity", "force", "position"})
+    says(std::string(name) + " holds what is no finite number",
+         [&](Archive& archive) { archive.real[name](0, 0) = std::numeric_limits<double>::quiet_NaN(); });
 }
 
 TEST(InterfaceRecord, RefusesAFolderWithoutOne) {

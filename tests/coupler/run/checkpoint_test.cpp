@@ -162,6 +162,18 @@ TEST_F(CheckpointTest, ARunThatGoesOnKeepsTheDefaultsItBeganWith) {
   EXPECT_EQ(settled_sets(given, own, place_.path()), own) << "the user's own are compared, not replaced";
 }
 
+TEST_F(CheckpointTest, ADamagedCaseOfTheRunIsNamedWithItsFolder) {
+  std::ofstream(place_.path() / "case.toml") << "title = \"a\x01\"\n";
+  try {
+    settled_sets("given.toml", {}, place_.path());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where(), (place_.path() / "case.toml").string() + ":1:11");
+    EXPECT_TRUE(error.problem().starts_with("not TOML: ")) << error.problem();
+    EXPECT_FALSE(error.fix().empty());
+  }
+}
+
 TEST_F(CheckpointTest, NoneAtAllIsRefused) {
   expect_refusal(ExitCode::command_line, [&] { chosen(); });
 }

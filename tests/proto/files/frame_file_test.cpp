@@ -3,6 +3,7 @@
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
 #include "proto/interface.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -59,6 +60,15 @@ TEST(FrameFile, ParticlesHaveNoCellsAndDamagedFramesAreLeftOut) {
   EXPECT_TRUE(list_frames(folder.path(), "structure").empty());
   EXPECT_EQ(nearest({}, 1), nullptr);
   EXPECT_THROW(read_frame(folder / "frames/fluid-000001.h5"), Error);
+}
+
+// A value of each particle is looked up by its first component.
+TEST(FrameFile, AnArrayWithoutComponentsIsRefused) {
+  const TemporaryFolder folder;
+  Frame frame = triangle(0);
+  frame.point_data.push_back({"kind", "1", Eigen::MatrixXd(0, 3)});
+  FrameSeries(folder.path(), "fluid", 2).write(frame);
+  expect_refused([&] { read_frame(folder / "frames/fluid-000000.h5"); }, "/point/kind has no columns");
 }
 
 TEST(FrameFile, SeveralBodiesAreOneFrameAndLackedValuesAreNaN) {

@@ -7,10 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <limits>
 #include <sys/resource.h>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -289,6 +291,54 @@ TEST(FrameSeries, GoesOnBesideAFrameThatAPowerCutDamaged) {
   EXPECT_EQ(list_frames(folder.path(), "fluid").size(), 3u);
   EXPECT_EQ(time_of_frame(folder / "frames/fluid-000003.h5"), 0.3);
   EXPECT_EQ(content(folder / "frames/fluid-000001.h5"), "");
+}
+
+/// Replaces the root's attribute `time` of a file.
+void set_time(const std::filesystem::path& path, hid_t type, hsize_t count, const void* values) {
+  const hdf5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  H5Adelete(file.get(), "time");
+  const hdf5::Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const hdf5::Handle attribute(H5Acreate2(file.get(), "time", type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                               H5Aclose);
+  H5Awrite(attribute.get(), type, values);
+}
+
+TEST(Reader, EightSmallNumbersInTheBytesOfOneAreNoNumber) {
+  const TemporaryFolder folder;
+  FrameSeries(folder.path(), "fluid", 2).write(some_frame(0.5));
+  const std::filesystem::path frame = folder / "frames/fluid-000000.h5";
+  const std::array<std::int8_t, 8> small{1, 2, 3, 4, 5, 6, 7, 8};
+  set_time(frame, H5T_NATIVE_INT8, small.size(), small.data());
+  const hdf5::Reader file(frame, hdf5::frame_format);
+  EXPECT_NE(text_of_error([&] { static_cast<void>(file.number("time")); }, ExitCode::case_file)
+                .find("has no number time"),
+            std::string::npos);
+  EXPECT_EQ(time_of_frame(frame), std::nullopt);
+}
+
+TEST(FrameSeries, GoesOnBesideAFrameOfUnknownCellsOrTime) {
+  const TemporaryFolder folder;
+  FrameSeries first(folder.path(), "fluid", 2);
+  for (int i = 0; i < 4; ++i) first.write(some_frame(0.1 * i));
+  const Frame frame = some_frame(0.1);
+  hdf5::Writer file;
+  file.attribute("/", "format", hdf5::frame_format);
+  file.attribute("/", "time", frame.time);
+  file.dataset("/position", frame.position.data(), frame.position.cols(), 3);
+  file.dataset("/cells", std::vector<std::int64_t>(10, 0), 5);  // nodes of a cell that no solver has
+  file.group("/point");
+  file.group("/cell");
+  file.save(folder / "frames/fluid-000001.h5");
+  const double no_time = std::numeric_limits<double>::quiet_NaN();
+  set_time(folder / "frames/fluid-000002.h5", H5T_NATIVE_DOUBLE, 1, &no_time);
+  EXPECT_EQ(list_frames(folder.path(), "fluid").size(), 3u);  // all whose time is known
+
+  FrameSeries second(folder.path(), "fluid", 2);
+  second.truncate(1);
+  EXPECT_EQ(second.count(), 2);
+  const std::string xdmf = content(folder / "fluid.xdmf");
+  for (const auto& [number, listed] : {std::pair(0, true), {1, false}, {2, false}, {3, true}})
+    EXPECT_EQ(xdmf.find("fluid-00000" + std::to_string(number)) != std::string::npos, listed) << number;
 }
 
 TEST(WriteText, ReplacesAFileWhole) {

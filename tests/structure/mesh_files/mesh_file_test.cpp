@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace strake::structure {
 namespace {
@@ -156,6 +157,26 @@ TEST_F(MeshFile, AbaqusHasElementSetsAndNodeSets) {
   EXPECT_EQ(facets_named(solid, "lower").size(), 2U);
 }
 
+// A line can name more numbers than there is memory, and end at the largest number there is.
+TEST_F(MeshFile, AGeneratedSetOfAbaqusIsWhatTheMeshHasOfItsNumbers) {
+  for (const char* line : {"1, 9223372036854775807", "1, 9223372036854775807, 1", "1, 3, 1"}) {
+    const std::string text = changed(inp, "1, 3, 1", line) + "*ELSET, ELSET=rubber, GENERATE\n" + line + "\n";
+    const Solid solid = read_mesh(file("a.inp", changed(text, ", ELSET=steel", "")), 2, {.density = 1});
+    const bool all = std::string(line) != "1, 3, 1";
+    EXPECT_EQ(facets_named(solid, "lower").size(), all ? 6U : 2U) << line;
+    EXPECT_EQ(solid.parts.at(0).name, "rubber") << line;
+  }
+  const Solid every_second =
+      read_mesh(file("b.inp", changed(inp, "1, 3, 1", "1, 9223372036854775807, 9223372036854775806")), 2,
+                {.density = 1});
+  EXPECT_TRUE(facets_named(every_second, "lower").empty());
+  for (const char* line : {"-9223372036854775807, 9223372036854775807", "3, 1", "1, 3, 0"})
+    EXPECT_NE(
+        complaint("c.inp", changed(inp, "1, 3, 1", line)).find("c.inp:18 | expected FIRST, LAST[, STEP]"),
+        std::string::npos)
+        << line;
+}
+
 TEST_F(MeshFile, AHexahedronIsReadWithItsSides) {
   const Solid solid = read_mesh(file("h.inp", R"(*NODE
 1, 0, 0, 0
@@ -199,6 +220,9 @@ TEST_F(MeshFile, WhatIsWrongIsNamedWithItsLine) {
   says(complaint("a.inp", changed(inp, "TYPE=CPE4", "TYPE=CPE8")), "CPE8");
   says(complaint("a.inp", changed(inp, "1., 1.", "1., one")),
        "a.inp:8 | expected a number instead of \"one\"");
+  const std::string last = std::to_string(std::numeric_limits<long>::max());
+  says(complaint("n.inp", changed(changed(inp, "6, 2.", last + ", 2."), "\n6, 5", "\n" + last + ", 5")),
+       "n.inp | has a node of number 9223372036854775807, the largest is 1000000000000000");
 }
 
 TEST_F(MeshFile, ACellThatIsTurnedInsideOutIsNamed) {
