@@ -42,6 +42,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"no_tension_to", &LeastSquaresConstants::no_tension_to},
     {"tension_from", &LeastSquaresConstants::tension_from},
     {"largest_tension", &LeastSquaresConstants::largest_tension},
+    {"lack", &LeastSquaresConstants::lack},
     {"film_begins", &LeastSquaresConstants::film_begins},
     {"film_counts", &LeastSquaresConstants::film_counts},
     {"memory_rate", &LeastSquaresConstants::memory_rate},
@@ -50,7 +51,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 32 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 36 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");
