@@ -252,12 +252,11 @@ TEST(Pace, APartAlongZIsSaidInThePlane) {
 }
 
 TEST(Pace, APlateThatIsThickerThanLongIsSaid) {
-  CaseView view = wedge();
-  view.value["structure.plate.length"] = "0.5";
-  view.value["structure.plate.thickness"] = "10";
-  EXPECT_TRUE(says(far_off_lines(view, 0.5), "10 m is more than its length, 0.5 m"));
-  view.value["structure.plate.thickness"] = "0.01";
-  EXPECT_TRUE(far_off_lines(view, 0.5).empty());
+  const auto of = [](const char* thickness) {
+    return lines_with({{"structure.plate.length", "0.5"}, {"structure.plate.thickness", thickness}});
+  };
+  EXPECT_TRUE(says(of("10"), "10 m is more than its length, 0.5 m"));
+  EXPECT_TRUE(of("0.01").empty());
 }
 
 TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {

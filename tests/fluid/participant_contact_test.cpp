@@ -1,0 +1,75 @@
+#include "tests/fluid/participant_case.hpp"
+#include "tests/proto/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+
+namespace strake::fluid {
+namespace {
+
+TEST(FluidParticipant, a_sensor_or_the_body_itself_waits_for_contact) {
+  const auto waits = [](const std::string& probe) {
+    const Case c({}, probe);
+    FluidParticipant<2> participant(c.parameters, c.common, entering());
+    return participant.advance(nth(0), at_speed(nth(0))).monitor.contains("count.awaiting_contact");
+  };
+  EXPECT_TRUE(waits("[0.0, 0.002]"));
+  const std::string gauge = "[0.0, -0.05]\nquantity = \"level\"\n";
+  EXPECT_TRUE(waits(gauge)) << "any point of the body tells contact";
+  EXPECT_FALSE(waits(gauge + "[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0, 0]"))
+      << "the structure does";
+}
+
+/// Contact [s] that a monitor names, as the plate comes down at 2 m/s; < 0: none until its gap is closed.
+double contact_of(const Case& c, const strake::Setup& setup, const std::string& name) {
+  FluidParticipant<2> participant(c.parameters, c.common, setup);
+  for (int k = 0; k < contact_window + 10; ++k) {
+    const auto monitor = participant.advance(nth(k), at_speed(nth(k))).monitor;
+    participant.commit(false);
+    if (!monitor.contains(name)) continue;
+    EXPECT_FALSE(monitor.contains("count.awaiting_contact"));
+    return monitor.at(name);
+  }
+  return -1;
+}
+
+TEST(FluidParticipant, a_body_from_rest_has_the_contact_of_one_with_a_speed) {
+  strake::Setup from_rest = entering();
+  from_rest.partner_initial.back() = moving("velocity", {0, 0, 0});
+  const double contact = contact_of(Case(), entering(), "p:contact");
+  EXPECT_GT(contact, 0);
+  // The water is not the same to the last bit: the body's speed comes in the first window.
+  EXPECT_NEAR(contact_of(Case({"structure.free.y=true"}), from_rest, "p:contact"), contact, window);
+  EXPECT_EQ(contact_of(Case(), from_rest, "p:contact"), -1) << "a body that does not move is not awaited";
+}
+
+TEST(FluidParticipant, a_table_that_begins_nearly_at_rest_gives_the_speed_of_entry) {
+  const TemporaryFolder folder;
+  put(folder / "way.csv", "t [s],vy [m/s]\n0,-1e-4\n1e-5,-2\n0.01,-2\n");
+  const Case c({"structure.motion.file=" + (folder / "way.csv").string()});
+  strake::Setup setup = entering();
+  setup.partner_initial.back() = moving("velocity", {0, -1e-4, 0});
+  EXPECT_NEAR(contact_of(c, setup, "p:contact"), contact_of(Case(), entering(), "p:contact"), window);
+  FluidParticipant<2> driven(c.parameters, c.common, setup),
+      constant(Case().parameters, Case().common, entering());
+  EXPECT_EQ(driven.description().lines.front(), constant.description().lines.front()) << "Re and Fr";
+  double gap = 0;
+  for (int k = 0; k < contact_window + 20; ++k) {
+    gap = driven.advance(nth(k), at_speed(nth(k))).monitor.at("check.momentum_gap");
+    driven.commit(false);
+  }
+  EXPECT_GT(gap, 0);
+  EXPECT_LT(gap, 0.1) << "over the momentum at 2 m/s; over that at t = 0 it is 20 000 times as large";
+}
+
+TEST(FluidParticipant, a_body_without_probes_finds_its_contact_itself) {
+  const std::string gauge = "[0.0, -0.05]\nquantity = \"level\"",
+                    of_body =
+                        "[0.0, 0.002]\n[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0, 0]";
+  const double contact = contact_of(Case(), entering(), "p:contact");
+  EXPECT_NEAR(contact_of(Case({}, gauge), entering(), "body:contact"), contact, 2 * window);
+  EXPECT_EQ(contact_of(Case(), entering(), "body:contact"), -1) << "its sensor tells contact";
+  EXPECT_EQ(contact_of(Case({}, of_body), entering(), "body:contact"), -1) << "so do probes of the structure";
+}
+
+}  // namespace
+}  // namespace strake::fluid
