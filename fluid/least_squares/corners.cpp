@@ -2,42 +2,43 @@
 #include "fluid/particles/pair_loop.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 // Water at a sharp corner under water. A quarter or more of its neighbours lacks, and none of the faces lies
 // before it. Its own pressure then drives it away from the corner and into its neighbours, ∇·u answers with a
-// higher pressure, and so on: the feedback that (F47) ends with b beside the free surface. Measured at a
-// floating box, spacing 12.5 mm: 6.2 kPa where still water has 0.48, and a particle of 0.8 m/s in water that
-// moves at 0.1 m/s.
+// higher pressure, and so on: the feedback that (F47) ends with b beside the free surface. A pressure below
+// the neighbours' drives it into the corner, ∇·u answers with a lower one. Measured at a floating box,
+// spacing 12.5 mm: 6.2 kPa where still water has 0.48, and a particle of 0.8 m/s in water that moves at 0.1
+// m/s; with 20 mm -2.1 kPa and 0.5 m/s.
 
 namespace strake::fluid {
 
 namespace {
 
-/// Distances along a face [l0]: water farther than `inside` from the face's end lies before the face, water
-/// less than `past` past the end lies at the corner.
-constexpr double inside = 0.25, past = 1;
-
+/// Whether particle i lies less than `past_end` past the sharp end of a face, and more than `at_end` inside
+/// no face.
 template <int dim>
 bool is_at_corner(const Boundary<dim>& boundary, const WallContact<dim>& walls, const State<dim>& state,
                   std::span<const std::int32_t> columns, std::int64_t i, double spacing) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
   bool near = false;
   for (std::size_t e = columns.size(); e-- > 0;) {  // layers of bodies stand last
     const std::int64_t j = columns[e];
     if (j < boundary.first_of_bodies()) break;
     if (!walls.wet(j)) continue;
     const double to_end = boundary.inside_free_end(boundary.point_of(j), state.position.col(i)) / spacing;
-    if (to_end > inside) return false;
-    near = near || to_end > -past;
+    if (to_end > tuned.at_end) return false;
+    near = near || to_end > -tuned.past_end;
   }
   return near;
 }
 
 }  // namespace
 
-/// Limits the pressure of water at a corner to the mean of its neighbours' (F89), each carried to its place
-/// with the slope of still water:
-///   p_i ≤ max(0, Σ_water w (p_j − ρ g·r)/Σ_water w)
+/// Limits the pressure of water at a corner by its neighbours' (F89), each carried to its place with the
+/// slope of still water, p_ij = p_j − ρ g·r:
+///   min_j p_ij ≤ p_i ≤ max(0, Σ_water w p_ij/Σ_water w)
 template <int dim>
 void LeastSquaresScheme<dim>::limit_at_corners(const Boundary<dim>& boundary, State<dim>& state,
                                                const Neighbours& near) {
@@ -51,20 +52,23 @@ void LeastSquaresScheme<dim>::limit_at_corners(const Boundary<dim>& boundary, St
     std::vector<Bound> own;
 #pragma omp for schedule(static) nowait
     for (std::int64_t i = 0; i < boundary.water(); ++i) {
-      if (!ranks_.owns(i) || state.surface[static_cast<std::size_t>(i)] || !(state.pressure[i] > 0)) continue;
+      if (!ranks_.owns(i) || state.surface[static_cast<std::size_t>(i)]) continue;
       const auto columns = near.row(i);
       if (!is_at_corner(boundary, walls_, state, columns, i, p_.spacing)) continue;
       const auto inverses = near.inverses(i);
-      double sum = 0, weights = 0;
+      double sum = 0, weights = 0, least = std::numeric_limits<double>::infinity();
       for (std::size_t e = 0, inner = water_pairs(columns, boundary.water()); e < inner; ++e) {
         const double w = gradient_.radius * inverses[e] - 1;
         const Vector<dim> r =
             boundary.tank().periodic().separation(state.position.col(i), state.position.col(columns[e]));
-        sum += w * (state.pressure[columns[e]] - p_.density * now_.gravity.dot(r));
+        const double carried = state.pressure[columns[e]] - p_.density * now_.gravity.dot(r);
+        sum += w * carried;
         weights += w;
+        least = std::min(least, carried);
       }
-      const double bound = weights > 0 ? std::max(0.0, sum / weights) : 0.0;
-      if (bound < state.pressure[i]) own.push_back({i, bound});
+      const double most = weights > 0 ? std::max(0.0, sum / weights) : 0.0;
+      const double bound = std::clamp(state.pressure[i], std::min(least, most), most);
+      if (bound != state.pressure[i]) own.push_back({i, bound});
     }
 #pragma omp critical(limits_at_corners)
     bounds.insert(bounds.end(), own.begin(), own.end());

@@ -9,6 +9,20 @@
 
 namespace strake::fluid {
 
+namespace {
+
+/// Returns the part with which water at x enters the mean velocity at a face of a body (F90),
+///   ω = clamp(e/at_end, 0, 1) ,
+/// e [l0] its distance inside the face's nearest sharp free end. Water that left the mean at once would
+/// change the flux of all water around the corner at once.
+template <int dim>
+double part_in_mean(const Boundary<dim>& boundary, int point, const Vector<dim>& x, double spacing) {
+  const double inside = boundary.inside_free_end(point, x) / spacing;
+  return std::clamp(inside / least_squares_constants().at_end, 0.0, 1.0);
+}
+
+}  // namespace
+
 template <int dim>
 bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t i,
                                       std::int64_t row) const {
@@ -138,7 +152,10 @@ void LeastSquaresScheme<dim>::average_wall_velocity(const Boundary<dim>& boundar
       const Vector<dim> to_face = boundary.tank().periodic().separation(state.position.col(i), face);
       const double q = to_face.norm() / (least_squares_constants().face_reach * p_.spacing);
       if (q >= 1 || !is_over(boundary, state, i, j)) continue;
-      const double w = (1 - q) * (1 - q);
+      const double part =
+          p_.submerged ? part_in_mean<dim>(boundary, boundary.point_of(j), state.position.col(i), p_.spacing)
+                       : 1;
+      const double w = part * (1 - q) * (1 - q);
       sum += w * (state.velocity.col(i) + velocity_gradient(i) * to_face);
       weights += w;
     }

@@ -32,6 +32,8 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"own_height", &LeastSquaresConstants::own_height},
     {"own_side", &LeastSquaresConstants::own_side},
     {"own_fades", &LeastSquaresConstants::own_fades},
+    {"at_end", &LeastSquaresConstants::at_end},
+    {"past_end", &LeastSquaresConstants::past_end},
     {"stopped", &LeastSquaresConstants::stopped},
     {"steepest", &LeastSquaresConstants::steepest},
     {"stopped_height", &LeastSquaresConstants::stopped_height},
@@ -51,7 +53,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 36 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 38 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");
