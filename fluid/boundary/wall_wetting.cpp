@@ -22,6 +22,9 @@ constexpr double covering_distance = 0.1;
 constexpr int face_places = 37, face_turn = 6;
 /// A body farther off covers all of a face or nothing [l0]: more than half the diagonal of the square.
 constexpr double half_diagonal = 0.75;
+/// A face of a body that stood in the water comes or goes within this part of the time in which the water
+/// nearest to it passes l0 [1/part].
+constexpr double passing_rate = 4;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
@@ -29,8 +32,9 @@ constexpr double corner_margin = 0.02;
 }  // namespace
 
 template <int dim>
-WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& state, double spacing)
-    : spacing_(spacing), first_(boundary.water()) {
+WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& state, double spacing,
+                              double rate)
+    : spacing_(spacing), rate_(rate), first_(boundary.water()) {
   const auto n = state.position.cols();
   axis_.setZero(dim, n - first_);
   depth_.setZero(n - first_);
@@ -132,6 +136,20 @@ double WallContact<dim>::find_bare(const Boundary<dim>& boundary, const State<di
   }
 }
 
+/// Computes the part with which a body's face counts after that time (F91). It goes from 0 to 1 and back with
+///   max(rate, 4 |u_n|/l0) ,
+/// u_n the speed along the normal of the nearest water past the face.
+template <int dim>
+double WallContact<dim>::faded(const State<dim>& state, std::int64_t row, std::int64_t nearest, double part,
+                               double time, bool is_wet) const {
+  double rate = rate_;
+  if (nearest >= 0) {
+    const Vector<dim> past = state.velocity.col(nearest) - state.velocity.col(row);
+    rate = std::max(rate, passing_rate * std::abs(past.dot(axis_.col(row - first_))) / spacing_);
+  }
+  return std::clamp(part + (is_wet ? rate : -rate) * time, 0.0, 1.0);
+}
+
 /// Lists the layer particles whose faces have become wet, those behind the first layer too.
 template <int dim>
 void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<dim>& state) {
@@ -145,12 +163,16 @@ void WallContact<dim>::list_joined(const Boundary<dim>& boundary, const State<di
 
 template <int dim>
 void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& near,
-                              std::span<const std::uint8_t> aired, const RankExchange<dim>& ranks) {
+                              double time, std::span<const std::uint8_t> aired,
+                              const RankExchange<dim>& ranks) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
       if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
   place_bodies(boundary, state);
   const auto n = static_cast<std::int64_t>(state.kind.size());
+  const std::int64_t bodies = boundary.first_of_bodies();
+  const bool begins = fades() && state.wet_part.size() != n - bodies;
+  if (begins) state.wet_part.setZero(n - bodies);
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = boundary.water(); j < n; ++j) {
     const auto k = static_cast<std::size_t>(j);
@@ -165,10 +187,14 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     }
     if (!aired.empty() && j >= boundary.first_of_bodies())
       is_wet = is_wet && !aired[static_cast<std::size_t>(boundary.point_of(j))];
-    const bool joins = is_wet && was_dry && state.step > 0 && j >= boundary.first_of_bodies();
+    const bool joins = is_wet && was_dry && state.step > 0 && j >= bodies && !fades();
     joins_[k] = joins && !boundary.volume() ? nearest.particle : -1;
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;
+    if (!fades() || j < bodies) continue;
+    const double part = state.wet_part[j - bodies];
+    bare_[j - first_] = begins ? wet_[k] : faded(state, j, nearest.particle, part, time, is_wet);
+    wet_[k] = bare_[j - first_] > 0 ? 1 : 0;
   }
   ranks.update_layers(state.surface, boundary.water());
   ranks.update_layers(wet_, boundary.water());
@@ -178,6 +204,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
       wet_[static_cast<std::size_t>(j)] = wet_[static_cast<std::size_t>(m)];
       bare_[j - first_] = bare_[m - first_];
     }
+  if (fades()) state.wet_part = bare_.tail(n - bodies);
   list_joined(boundary, state);
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,27 +22,32 @@ namespace strake::fluid {
 /// Dry layers do not enter any sum: water that flies towards a wall is not slowed before it is there. The
 /// flag is State::surface of the first layer (1: dry).
 ///
-/// Faces of bodies that have just become wet are listed: the water takes them on gradually (F71).
+/// Faces of bodies that have just become wet are listed: the water takes them on gradually (F71). Beside a
+/// body that stood in the water a face itself comes and goes gradually (F91): one that is dry may still
+/// count.
 template <int dim>
 class WallContact {
  public:
-  WallContact(const Boundary<dim>&, const State<dim>&, double spacing);
+  /// rate: how fast a face of a body comes or goes in still water [1/s]; infinite: at once.
+  WallContact(const Boundary<dim>&, const State<dim>&, double spacing,
+              double rate = std::numeric_limits<double>::infinity());
 
   /// Places the faces where they are now, and marks them wet or dry from the water's places. near: rows of at
-  /// least 2 l0.
+  /// least 2 l0. time: since the last update [s].
   /// aired: 1 for wet points of bodies with air between them and the water, whose faces stay dry; empty:
   /// none.
-  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near,
+  void update(const Boundary<dim>&, State<dim>&, const Neighbours& near, double time = 0,
               std::span<const std::uint8_t> aired = {}, const RankExchange<dim>& ranks = {});
 
   /// Renumbers the layer particles, which follow that many water particles.
   void set_water(std::int64_t water);
 
+  /// Whether its face counts.
   bool wet(std::int64_t row) const { return wet_[static_cast<std::size_t>(row)] != 0; }
-  /// Returns the part of its face that no body covers, 1 for faces of bodies.
+  /// Returns the part with which its face counts: of a wall what no body covers, of a body (F91).
   double bare(std::int64_t row) const { return bare_[row - first_]; }
-  /// Returns the weight of a pair with that layer particle, q (R/|r| − 1) with the bare part q of its face.
-  /// radius: R [m]; inverse: 1/|r| [1/m].
+  /// Returns the weight of a pair with that layer particle, q (R/|r| − 1) with the part q of its face that
+  /// counts. radius: R [m]; inverse: 1/|r| [1/m].
   double weight(std::int64_t row, double radius, double inverse) const {
     return bare(row) * (radius * inverse - 1);
   }
@@ -82,8 +88,11 @@ class WallContact {
   Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
   void list_joined(const Boundary<dim>&, const State<dim>&);
   void place_bodies(const Boundary<dim>&, const State<dim>&);
+  bool fades() const { return rate_ < std::numeric_limits<double>::infinity(); }
+  double faded(const State<dim>&, std::int64_t row, std::int64_t nearest, double part, double time,
+               bool is_wet) const;
   double find_bare(const Boundary<dim>&, const State<dim>&, std::int64_t row) const;
-  double spacing_;
+  double spacing_, rate_;
   std::int64_t first_;  // layer particle
   Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
   Eigen::VectorXd depth_, bare_;

@@ -65,7 +65,7 @@ template <int dim>
 void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>& state, const Neighbours& far,
                                       const Neighbours& near, double time) {
   if (moments_.diagonal.size() != boundary.water()) resize(boundary.water());
-  walls_.update(boundary, state, near, air_->aired, ranks_);
+  walls_.update(boundary, state, near, time, air_->aired, ranks_);
   now_.configuration = time;
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (state.face_lag[i] != 0) fade_lag(state, i, time);
@@ -308,7 +308,9 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
       (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {
     leave_out_past_faces(boundary, state, far, i, sums);
     const double depth = fit_surface(i, sums);
-    film_.share[i] = surface_.share[i] > 0 ? static_cast<float>(film_share<dim>(sums.b)) : 0.0F;
+    // With the surface share as a factor φ does not begin at once, where water came under the surface.
+    const float counted = p_.submerged ? surface_.share[i] : 1.0F;
+    film_.share[i] = surface_.share[i] > 0 ? counted * static_cast<float>(film_share<dim>(sums.b)) : 0.0F;
     state.surface[k] = depth >= 0 && depth < tuned.shown_depth * p_.spacing ? 1 : 0;
     return;
   }

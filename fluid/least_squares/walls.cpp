@@ -48,7 +48,8 @@ void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const 
 #pragma omp parallel for schedule(static)
   for (std::int64_t j = water; j < n; ++j) {
     if (boundary.master_of(j) >= 0) continue;
-    wall_.cover[j - water] = walls_.wet(j) ? 1 : 0;
+    const double part = j < boundary.first_of_bodies() ? 1.0 : walls_.bare(j);
+    wall_.cover[j - water] = walls_.wet(j) ? part : 0;
     if (!walls_.wet(j) || walls_.corner(j)) continue;
     double sum = 0;
     const auto columns = near.row(j);
@@ -58,7 +59,7 @@ void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>& boundary, const 
       const double up = r.dot(walls_.normal(j)), aside = std::sqrt(std::max(0.0, r.squaredNorm() - up * up));
       if (up - walls_.depth(j) < p_.spacing) sum += std::max(0.0, 1 - aside / p_.spacing);
     }
-    wall_.cover[j - water] = std::min(1.0, sum);
+    wall_.cover[j - water] = part * std::min(1.0, sum);
   }
   for (std::int64_t j = boundary.water(); j < n; ++j)
     if (const std::int32_t master = boundary.master_of(j); master >= 0)

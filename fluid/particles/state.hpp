@@ -60,6 +60,7 @@ struct State {
   double air_out = 0;            // [kg], in two dimensions [kg/m], that has left
   double air_energy_due = 0;     // [J], in two dimensions [J/m]: of the start, and work, less what left
   double air_energy_given = 0;   // the same: of the start, and the work done on the air
+  Eigen::VectorXd wet_part;      // of layer particles of bodies: part with which its face counts (F91)
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
   Eigen::VectorXd rank_boxes;           // 6 per rank, see Partition; empty: one rank
@@ -107,6 +108,7 @@ struct State {
                       std::pair("air_out", &State::air_out),                                //
                       std::pair("air_energy_due", &State::air_energy_due),                  //
                       std::pair("air_energy_given", &State::air_energy_given),              //
+                      std::pair("wet_part", &State::wet_part),                              //
                       std::pair("interface_displacement", &State::interface_displacement),  //
                       std::pair("interface_velocity", &State::interface_velocity),          //
                       std::pair("rank_boxes", &State::rank_boxes),                          //

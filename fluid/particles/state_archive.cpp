@@ -40,7 +40,7 @@ namespace {
 /// Whether version 0.1.0 did not have that member. Where a checkpoint lacks it, it is zero or empty.
 bool is_newer(std::string_view name) {
   return name.starts_with("air_") || name.starts_with("rank_") || name == "pressure_acceleration" ||
-         name.starts_with("face_lag");
+         name.starts_with("face_lag") || name == "wet_part";
 }
 
 }  // namespace

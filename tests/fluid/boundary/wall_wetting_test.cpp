@@ -57,5 +57,34 @@ TEST(WallContact, ABodyThatTouchesAWallCoversItGradually) {
   }
 }
 
+TEST(WallContact, AFaceOfABodyThatStoodInTheWaterComesAndGoesGradually) {
+  const Parameters p = channel();
+  const InterfaceMesh body = keel_between_walls(0.003);
+  Points place = Points::Zero(3, body.position.cols());
+  StepData<3> step(p, body, place, PairData::inverses, {});
+  constexpr double rate = 100;
+  WallContact<3> walls(step.boundary, step.state, l0, rate);
+  const auto part_after = [&](double rise, double time) {
+    place.row(1).setConstant(rise);
+    step.boundary.move(step.state, place, Points::Zero(3, place.cols()), true);
+    step.search_neighbours();
+    walls.update(step.boundary, step.state, step.near_gradient(), time);
+    const std::int64_t j = step.boundary.first_of_bodies();  // a face at the keel
+    return walls.wet(j) ? walls.bare(j) : 0.0;
+  };
+  const std::int64_t keel = step.boundary.first_of_bodies();
+  const auto is_dry = [&] { return step.state.surface[static_cast<std::size_t>(keel)] != 0; };
+  EXPECT_EQ(part_after(0, 0), 0);
+  EXPECT_NEAR(part_after(-0.03, 0.003), 0.3, 1e-12);  // under water
+  EXPECT_NEAR(part_after(-0.03, 0.005), 0.8, 1e-12);
+  EXPECT_FALSE(is_dry());
+  EXPECT_NEAR(part_after(0.03, 0.002), 0.6, 1e-12);  // out of it
+  EXPECT_TRUE(is_dry());
+  WallContact<3> resumed(step.boundary, step.state, l0, rate);
+  resumed.update(step.boundary, step.state, step.near_gradient(), 0.001);
+  EXPECT_NEAR(resumed.bare(keel), 0.5, 1e-12);
+  EXPECT_EQ(part_after(0.03, 0.02), 0);
+}
+
 }  // namespace
 }  // namespace strake::fluid
