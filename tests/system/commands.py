@@ -216,6 +216,14 @@ def export_writes_decks(place, run):
     expect(elsewhere.returncode == 0 and (place / "decks" / "probes.csv").exists(), f"export -o DIR\n{elsewhere.stderr}")
     nowhere = strake("export", place, "--to", "ccx", cwd=place)
     expect(nowhere.returncode == 3 and "case.toml" in nowhere.stderr, f"export of no run is refused\n{nowhere.stderr}")
+    for name, lines, words in (("outline", 'solver = "rigid"\noutline = [[0, 0], [1, 0], [0, 1]]', "structure.outline, which has no cells"),
+                               ("none", 'solver = "none"', "has no structure"),
+                               ("heavy", 'solver = "rigid"\nmass = 3.0\nplate = { length = 1.0, thickness = 0.1 }', '"rigid". With finite elements')):
+        (place / name).mkdir(exist_ok=True)
+        (place / name / "case.toml").write_text(f"[structure]\n{lines}\n")
+        refused = strake("export", place / name, "--to", "ccx", cwd=place)
+        expect(refused.returncode == 3 and words in refused.stderr and "--set structure.solver=fem" not in refused.stderr,
+               f"export of {name} says what was found\n{refused.stderr}")
     other = strake("export", run, "--to", "ccx", "--set", "structure.plate.length=0.2", cwd=place)
     expect(other.returncode == 3 and "interface points" in other.stderr, f"export of another shape is refused\n{other.stderr}")
 
