@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 namespace strake {
@@ -58,6 +59,9 @@ ExitCode export_run(const ExportOptions& options, const StopRequest& stop) {
   const std::string name = std::filesystem::weakly_canonical(run, error).filename().string();
   const std::filesystem::path folder = options.folder.empty() ? run / "export" : options.folder;
   std::vector<std::string> sets = options.sets;
+  const auto is_analysis = [](const std::string& set) { return set.starts_with("structure.analysis="); };
+  if (std::ranges::any_of(sets, is_analysis))
+    sets.insert(sets.begin(), "fluid.solver=none");   // of the body alone
   sets.insert(sets.begin(), "structure.solver=fem");  // whatever solver the run had
   try {
     fmt::print("{}",
