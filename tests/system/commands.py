@@ -214,6 +214,8 @@ def export_writes_decks(place, run):
     expect(0.9 < felt / impulse <= 1.0001, f"export: the deck carries the recorded impulse, {felt:.5g} of {impulse:.5g} N s/m")
     elsewhere = strake("export", run, "--to", "ccx", "-o", place / "decks", "--set", "structure.fem.refinement=1", cwd=place)
     expect(elsewhere.returncode == 0 and (place / "decks" / "probes.csv").exists(), f"export -o DIR\n{elsewhere.stderr}")
+    page = strake("export", "--help", cwd=place).stdout
+    expect("structure.analysis=modal" in page and "structure.solver" not in page, f"export --help names keys that a deck has\n{page}")
     modes = strake("export", run, "--to", "ccx", "-o", place / "modes", "--set", "structure.analysis=modal", cwd=place)
     expect(modes.returncode == 0 and "*FREQUENCY" in (place / "modes" / "ccx.inp").read_text(), f"a deck of modes\n{modes.stderr}")
     nowhere = strake("export", place, "--to", "ccx", cwd=place)
