@@ -207,6 +207,18 @@ TEST(HistoryMetrics, APeakThatStandsAloneIsABlow) {
   EXPECT_TRUE(blow_lines(Table{}, columns).empty());
 }
 
+TEST(HistoryMetrics, EachOfSeveralBodiesHasItsImpulseAndItsBlow) {
+  Table history = record_with(12, 50);
+  history.columns = {{"time", "s"}, {"force.y", "N"}, {"left.force.y", "N"}, {"right.force.y", "N"}};
+  history.value[1] = history.value[2];
+  history.value[3].assign(100, 1);
+  const auto lines = blow_lines(history, {"force.y", "left.force.y", "right.force.y"});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].starts_with("left.force.y: the peak of 12 N")) << lines[0];
+  const auto impulse = metrics_of_column(history, "right.force.y", 0.01);
+  EXPECT_NEAR(impulse.at("impulse"), 3e-4, 1e-12);
+}
+
 TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {
   Points x(3, 3), u = Points::Zero(3, 3), f = Points::Zero(3, 3);
   x << -1, 0.5, 1, 0, 0, 0, 0, 0, 0;
