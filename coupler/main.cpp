@@ -192,6 +192,9 @@ void add_export(CLI::App& app, strake::ExportOptions& options, const StopRequest
       ->type_name("ccx|ansys");
   command->add_option("-o", options.folder, "folder of the deck, default RUN/export")->type_name("DIR");
   add_sets(*command, options.sets);
+  command->get_option("--set")->description(
+      "change one key of the case for the deck: --set structure.fem.refinement=2, --set "
+      "structure.analysis=modal");
   command->callback([&] { action = [&] { return strake::export_run(options, stop); }; });
 }
 
@@ -218,7 +221,10 @@ void add_report(CLI::App& app, strake::ReportOptions& options, Action& action) {
       app.add_subcommand("report", "one self-contained HTML page about runs, or about a study");
   command->add_option("RUN", options.what, "run folders, or the folder of a study")->required();
   command->add_option("-o", options.out, "default report.html in the first folder")->type_name("FILE");
-  command->add_option("--at", options.at, "times of the pictures [s], default contact, first peak, end")
+  command
+      ->add_option("--at", options.at,
+                   "times of the pictures [s]: the frames next to them; default contact, first peak (without "
+                   "both: half the run), end")
       ->delimiter(',')
       ->type_name("T1,T2,...");
   command->callback([&] { action = [&] { return strake::write_report(options); }; });

@@ -2,6 +2,7 @@
 
 #include "proto/peak_memory.hpp"
 #include "proto/visible.hpp"
+#include "structure/body/mechanism.hpp"
 #include "structure/body/surface.hpp"
 
 #include <fmt/format.h>
@@ -129,10 +130,19 @@ std::string unused_mass(const Parameters& p) {
   return fmt::format("note: {} moves nothing, since no direction is free (structure.free)", keys);
 }
 
+/// What the supports of an elastic body leave free, beside structure.free; empty: nothing.
+std::string mechanism(const Parameters& p) {
+  if (p.kind == "rigid" || p.kind == "replay") return {};
+  const std::string motions = motions_left(elastic_solid(p));
+  if (motions.empty()) return {};
+  return fmt::format("note: the supports leave {}, against inertia and loads alone", motions);
+}
+
 }  // namespace
 
 std::vector<std::string> describe(const Solver& solver, const Parameters& p, const CommonKeys& common) {
   std::vector<std::string> lines = solver.lines();
+  if (std::string note = mechanism(p); !note.empty()) lines.push_back(std::move(note));
   if (p.analysis == Analysis::dynamic && !std::isinf(solver.stable_dt()))
     lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s", steps_in_window(solver, common),
                                 common.window));

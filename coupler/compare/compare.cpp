@@ -40,6 +40,15 @@ std::optional<double> contact_time(const RunData& data, const std::string& probe
   return earliest;
 }
 
+/// Whether the first peak that a probe's record tells is the value with which the quantity began.
+bool is_of_start(const RunData& data, const std::string& probe) {
+  const auto value = known(data, probe + ":first_peak"), time = known(data, probe + ":time_of_first_peak");
+  if (!value || !time || !data.history) return false;
+  const bool begins_with_contact =
+      known(data, probe + ":contact") || (is_load(probe) && contact_time(data, probe));
+  return falls_towards(curve_of(*data.history, probe), {*time, *value}, begins_with_contact);
+}
+
 /// Mean over [from, to] of a column whose values are means since the line before.
 double mean_of_means(const Curve& c, double from, double to) {
   double sum = 0, length = 0, before = std::min(from, c.time.front());
@@ -126,7 +135,8 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
     return point ? std::optional(point->value) : std::nullopt;
   }
   const auto point = first_peak(part, from);
-  if (!point) return std::nullopt;
+  if (!point || falls_towards(curve, *point, contact_time(data, block.probe).has_value()))
+    return std::nullopt;
   return metric == "first_peak" ? point->value : point->time;
 }
 
@@ -156,7 +166,8 @@ std::optional<double> measured(const CompareBlock& block, const std::string& met
   }
   const bool settles = metric == "first_peak" || metric == "time_of_first_peak" || metric == "impulse";
   if (!settles && !data.finished) return std::nullopt;
-  if (const auto value = known(data, name)) return value;
+  if (const auto value = known(data, name))
+    return metric.ends_with("first_peak") && is_of_start(data, block.probe) ? std::nullopt : value;
   // A probe's own record is the only source of what its definition ties to steps. A column without such a
   // record (of a solver of another's, or a force) has the lines of history.csv, once they are complete.
   const bool of_steps = settles || metric == "peak" || metric == "time_of_peak" || metric == "mean_peak_50us";

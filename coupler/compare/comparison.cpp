@@ -50,7 +50,8 @@ std::optional<CurvePoint> first_peak_in_span(const Record& r, double origin, dou
   const bool told = r.first_peak && (from <= origin || from <= r.curve.time.front());
   if (told && r.first_peak->time >= from && r.first_peak->time <= to) return r.first_peak;
   const Curve& curve = r.extremes.size() > 0 ? r.extremes : r.curve;
-  return first_peak(clip(curve, from, to), std::max(from, origin));
+  const auto point = first_peak(clip(curve, from, to), std::max(from, origin));
+  return point && !falls_towards(curve, *point, r.contact.has_value()) ? point : std::nullopt;
 }
 
 std::optional<double> frequency(const Curve& c, double from, double to) {

@@ -55,6 +55,13 @@ std::optional<CurvePoint> first_peak(const Curve& c, double contact) {
   return std::nullopt;
 }
 
+bool falls_towards(const Curve& c, const CurvePoint& first_peak, bool begins_with_contact) {
+  if (c.size() == 0) return false;
+  const auto after = std::lower_bound(c.time.begin(), c.time.end(), first_peak.time) - c.time.begin();
+  if (after == 0) return !begins_with_contact;
+  return std::abs(c.value[static_cast<std::size_t>(after - 1)]) > std::abs(first_peak.value);
+}
+
 double impulse(const Curve& c, double from, double to) {
   const Curve part = clip(c, from, to);
   double sum = 0;

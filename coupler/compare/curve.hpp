@@ -25,6 +25,10 @@ std::optional<CurvePoint> peak(const Curve&);
 /// First peak (cases/VALIDATION.md, "Definitions"). It is the running maximum M of |q| after `contact`, M >=
 /// 5 % of the record's maximum, after which |q| falls below 0.8 M before exceeding M.
 std::optional<CurvePoint> first_peak(const Curve&, double contact);
+/// Whether a quantity falls towards its first peak, so that this is no peak but the value it began with. The
+/// sample before it is larger, or there is none. A quantity that begins with contact rose within its first
+/// sample.
+bool falls_towards(const Curve&, const CurvePoint& first_peak, bool begins_with_contact);
 double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
 double mean(const Curve&, double from, double to);     // impulse / (to − from)
 double rms(const Curve&, double from, double to);  // √((1/T) ∫ q² dt), exact for the linear interpolant

@@ -98,7 +98,9 @@ Curve curve_of(const Table& table, const std::string& column) {
 }
 
 bool is_load(const std::string& column) {
-  return column.starts_with("force.") || column.starts_with("moment.");
+  const std::string vector = column.substr(0, column.rfind('.'));  // of several bodies "left.force"
+  const std::string last = vector.substr(vector.rfind('.') + 1);
+  return vector != column && (last == "force" || last == "moment");
 }
 
 SiUnit in_si(const std::string& unit) {

@@ -84,7 +84,9 @@ void add_new_options(CLI::App& command, NewOptions& options) {
     CLI::App* one = command.add_subcommand(kind.name, kind.help);
     one->add_option("-o", options.out, "the case file, default " + kind.name + ".toml")->type_name("FILE");
     if (kind.mesh)
-      one->add_option("MESH,--mesh", options.answers.mesh, "mesh file")->type_name("FILE")->required();
+      one->add_option("MESH,--mesh", options.answers.mesh,
+                      "mesh file, needed once: by its name alone, or after --mesh")
+          ->type_name("FILE");
     if (kind.mesh)
       one->add_option("--up", options.answers.up,
                       "axis of the file that points up, default y; it is turned so")

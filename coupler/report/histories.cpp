@@ -69,12 +69,10 @@ std::optional<CurvePoint> first_peak_of(const Recorded& run, const std::string& 
   if (result == nullptr) return std::nullopt;
   const auto value = result->metric("first_peak"), time = result->metric("time_of_first_peak");
   if (!value || !time) return std::nullopt;
-  const Curve curve = curve_of(run.history, column);
-  const auto after = std::ranges::lower_bound(curve.time, *time) - curve.time.begin();
-  if (after == 0 && curve.size() > 0) return std::nullopt;
-  if (after > 0 && std::abs(curve.value[static_cast<std::size_t>(after - 1)]) > std::abs(*value))
-    return std::nullopt;
-  return CurvePoint{*time, *value};
+  const CurvePoint point{*time, *value};
+  const bool begins_with_contact = run.contact.contains(column) || (is_load(column) && !run.contact.empty());
+  if (falls_towards(curve_of(run.history, column), point, begins_with_contact)) return std::nullopt;
+  return point;
 }
 
 /// Half the width of the band that the tolerance allows round a reference.

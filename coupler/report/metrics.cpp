@@ -64,7 +64,7 @@ std::string allowed(const Reference& reference, const std::string& unit) {
 }
 
 /// Whether a time integral or a mean of 50 µs of this quantity tells anything: of loads, not of a deflection.
-bool is_load(const std::string& unit) {
+bool is_unit_of_load(const std::string& unit) {
   for (const char* load : {"Pa", "N", "N/m", "N m"})
     if (unit == load) return true;
   return false;
@@ -94,7 +94,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
     if (const ProbeResult* result = run.probe(probe))
       for (const auto& [metric, value] : result->metrics)
         if (std::find(metrics.begin(), metrics.end(), metric) == metrics.end()) metrics.push_back(metric);
-  const bool load = is_load(unit_of(runs, probe, "peak"));
+  const bool load = is_unit_of_load(unit_of(runs, probe, "peak"));
   std::erase_if(metrics, [&](const std::string& metric) {  // metrics that no run has, or that mean nothing
     if (!load && (metric == "impulse" || metric == "mean_peak_50us")) return true;
     return std::none_of(runs.begin(), runs.end(), [&](const Recorded& run) {

@@ -107,6 +107,7 @@ std::vector<std::string> blow_lines(const Table& history, const std::vector<std:
       name = column;
     }
   }
+  if (largest.size() > 1) largest.erase("");  // the sum over several bodies
   std::vector<std::string> lines;
   for (const auto& [body, load] : largest)
     if (const auto blow = load.second.empty() ? std::nullopt : blow_of(curve_of(history, load.second)))

@@ -23,6 +23,12 @@ constexpr double plane_seconds = 1.2e-6, space_seconds = 4e-6, shared = 1.0 / 3;
 // Of a particle in space at the set-up: water that is packed round a submerged body 58 and 44e-6 (40 000 and
 // 126 000 particles), the surface of a sphere above the water 13e-6.
 constexpr double packed_seconds = 5e-5, space_set_up_seconds = 1.3e-5;
+// The same in the plane: water round a submerged cylinder 2 to 3e-5 (17 800 particles), that under a wedge
+// 3e-6 (63 600). A particle of a frame: 0.8e-6 (5 200 particles, 20 frames).
+constexpr double plane_packed_seconds = 2.5e-5, plane_set_up_seconds = 3e-6, frame_seconds = 0.8e-6;
+// A run starts each program three times: for its check, for its values, to compute. With deal.II's libraries
+// that takes 0.35 s each time, else 0.01 to 0.02 s.
+constexpr double start_seconds = 0.05, start_with_libraries_seconds = 1.1;
 // Of an elastic particle and sub-step: V section of aluminium 0.6e-7 in the plane, 12 neighbours; in
 // space 90.
 constexpr double plane_elastic_seconds = 0.6e-7, space_elastic_seconds = 4e-7;
@@ -104,6 +110,21 @@ double finite_element_seconds(const CaseView& view, const std::string& text) {
   return unknowns * (unknowns < iterative_from ? space_unknown_seconds : iterative_unknown_seconds);
 }
 
+/// Time of what is no step [s]: programs that start, the set-up of the water, its frames.
+double seconds_beside_steps(const CaseView& view, double particles) {
+  double seconds = 0;
+  for (const SideView* side : view.sides())
+    seconds += side->solver == "fem" || side->solver == "ccx" ? start_with_libraries_seconds : start_seconds;
+  const bool plane = view.number("fluid.dimension").value_or(2) < 2.5,
+             packed = at_or(view.value, "fluid.submerged") == "true";
+  const double every = view.common.output_every;
+  const double frames = every > 0 ? view.common.end_time / every : 0;
+  return seconds +
+         particles * (packed ? (plane ? plane_packed_seconds : packed_seconds)
+                             : (plane ? plane_set_up_seconds : space_set_up_seconds)) +
+         particles * frames * frame_seconds;
+}
+
 std::string step_reason(const CaseView& view, const Pace& pace) {
   const double given = view.number("fluid.scheme.time_step").value_or(infinite);
   if (given <= pace.step * (1 + 1e-9)) {
@@ -153,9 +174,7 @@ std::optional<Pace> pace_of(const CaseView& view) {
   pace.seconds = pace.particles * pace.steps * pace.iterations * (plane ? plane_seconds : space_seconds);
   if (sound && pace.step <= sound_step) pace.seconds *= shared;
   pace.seconds += elastic * pace.windows * pace.iterations;
-  if (!plane)
-    pace.seconds += pace.particles *
-                    (at_or(view.value, "fluid.submerged") == "true" ? packed_seconds : space_set_up_seconds);
+  pace.seconds += seconds_beside_steps(view, pace.particles);
   return pace;
 }
 

@@ -52,7 +52,7 @@ std::optional<std::string> layers_line(const CaseView& view) {
 /// water got that far. `left`: the width grows no more, the jet has left the face before the end.
 struct Wetted {
   double half = 0, slope = 0;
-  bool left = false;
+  bool left = false, straight = false;  // straight: the face has one slope, as that of a wedge
 };
 
 /// The least rise [m] of the water that wets half a width, up to a given rise; by bisection.
@@ -66,35 +66,58 @@ double rise_that_wets(const InterfaceMesh& body, double lowest, double half, dou
   return high;
 }
 
-/// Way that a body falls from rest until the end [m], ½ g t², where it is free to; else 0.
-double fall_of(const CaseView& view) {
+/// Whether the face below a rise has one slope: half of the width is wet at half of the rise.
+bool is_straight(const InterfaceMesh& body, double lowest, double half, double rise) {
+  constexpr double slack = 0.1;  // of the slope
+  const double below = rise_that_wets(body, lowest, 0.5 * half, rise);
+  return std::abs(below - 0.5 * rise) <= slack * 0.5 * rise;
+}
+
+/// The table of a body in the case: "structure", or of several "structures.left".
+std::string table_named(const std::string& name) {
+  return name.empty() ? "structure" : "structures." + name;
+}
+
+bool is_free_body(const CaseView& view, const std::string& table) {
+  return std::ranges::any_of(view.value, [&](const auto& key) {
+    return key.first.starts_with(table + ".free.") && key.second == "true";
+  });
+}
+
+/// Way that a body falls from rest until the end [m], ½ g t², where it is free to; else 0. Of several bodies
+/// one may start at rest and another not.
+double fall_of(const CaseView& view, const std::string& table) {
   const std::vector<double> gravity = numbers_in(at_or(view.value, "fluid.gravity"));
-  if (!view.common.chosen.from_rest || gravity.size() < 2 || at_or(view.value, "structure.free.y") != "true")
+  if (!view.common.chosen.from_rest || gravity.size() < 2 || at_or(view.value, table + ".free.y") != "true")
     return 0;
   return std::max(0.0, -0.5 * gravity[1] * view.common.end_time * view.common.end_time);
 }
 
 /// Nothing where the body does not come down on the water; half = 0 where it does not reach it. Water rises
 /// along an inclined face by π/2 of the depth (Wagner 1932).
-std::optional<Wetted> wetted_at_end(const CaseView& view, const InterfaceMesh& body, const Points& velocity,
-                                    double level) {
+std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& moving, double level) {
+  const auto& [name, body, velocity] = moving;
+  const std::string table = table_named(name);
   if (body.position.cols() == 0 || velocity.cols() != body.position.cols()) return std::nullopt;
   const double lowest = body.position.row(1).minCoeff(), speed = -velocity.row(1).minCoeff();
   // A table changes the speed: how far the body comes is not known here.
-  if (lowest < level - 1e-9 || view.common.chosen.by_table > 0) return std::nullopt;
-  if (speed < 0 && !view.moves_freely()) return Wetted{};  // driven upwards
-  const double way = speed > 0 ? speed * view.common.end_time : fall_of(view);
+  const bool by_table =
+      view.common.chosen.by_table > 0 && (name.empty() || !at_or(view.value, table + ".motion.file").empty());
+  if (lowest < level - 1e-9 || by_table) return std::nullopt;
+  if (speed < 0 && !is_free_body(view, table)) return Wetted{};  // driven upwards
+  const double way = speed > 0 ? speed * view.common.end_time : fall_of(view, table);
   if (!(way > 0)) return std::nullopt;
   const double depth = way - (lowest - level);
   if (!(depth > 0)) return Wetted{};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
   if (!(half > 0)) return Wetted{};
   const bool grows = half > 1.01 * half_width_below(body, lowest + 0.95 * rise);
-  if (grows) return Wetted{half, rise / half, false};
+  if (grows) return Wetted{half, rise / half, false, is_straight(body, lowest, half, rise)};
   // The outermost point may stand on the side above the face, half a plate's thickness higher.
   const double inner = 0.95 * half, whole = rise_that_wets(body, lowest, half, rise) / half,
                face = rise_that_wets(body, lowest, inner, rise) / inner;
-  return Wetted{half, whole > 2 * face ? face : whole, true};
+  const double slope = whole > 2 * face ? face : whole;
+  return Wetted{half, slope, true, is_straight(body, lowest, inner, face * inner)};
 }
 
 /// Returns the spacings on half the wetted width that a jet of `jet` spacings needs, at least `least`:
@@ -121,15 +144,22 @@ std::string width_line(const Wetted& wetted, double spacing) {
 
 /// Spacings across the jet at the end, or where it leaves the face; nothing for faces without a thin jet. A
 /// jet thinner than a spacing takes one particle after the other, and the force rises and falls with each
-/// (cases/VALIDATION.md, "Wedges and V sections at steps that resolve sound").
+/// (cases/VALIDATION.md, "Wedges and V sections at steps that resolve sound"). Figures of faces whose slope
+/// changes stand there, and in "Cylinder entry".
 std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
   if (!(wetted.half > 0) || !(wetted.slope > level_slope) || !(wetted.slope <= 1)) return std::nullopt;
   const double jet = jet_thickness(wetted.half, wetted.slope);
   const std::string count = fmt::format("{:.2g} spacings through the jet{}", jet / spacing,
                                         wetted.left ? " as it leaves the face" : "");
-  if (jet >= spacing) return count + ": the force scatters by some 10 % about its mean";
+  if (!wetted.straight)
+    return count +
+           ", by the mean slope of the face. Its slope changes: the force scattered about its mean by 10 "
+           "to 20 % on a cylinder, by 20 to 70 % on a bow with flare";
+  if (jet >= spacing) return count + ": the force scatters by some 10 % about its mean, as that of wedges";
   return fmt::format(
-      "{}: the force scatters by up to 50 % about its mean, by 10 % with fluid.spacing = {:.2g}", count, jet);
+      "{}: the force scatters by up to 50 % about its mean, as that of wedges; by 10 % with "
+      "fluid.spacing = {:.2g}",
+      count, jet);
 }
 
 /// The slope of the body's face at the place nearest to `at`, as |dy/dx|; bodies in the plane.
@@ -242,10 +272,10 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
   if (!view.fluid || view.fluid->solver != "mps" || !spacing) return lines;
   if (const auto line = layers_line(view)) lines.push_back(*line);
   const auto level = water_level(view);
-  for (const auto& [name, mesh, velocity] : bodies) {
-    const auto wetted = level ? wetted_at_end(view, mesh, velocity, *level) : std::nullopt;
+  for (const MovingBody& body : bodies) {
+    const auto wetted = level ? wetted_at_end(view, body, *level) : std::nullopt;
     if (!wetted) continue;
-    const std::string begin = name.empty() ? "" : name + ": ";
+    const std::string begin = body.name.empty() ? "" : body.name + ": ";
     lines.push_back(begin + width_line(*wetted, *spacing));
     if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(begin + *jet);
   }

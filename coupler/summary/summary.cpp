@@ -1,5 +1,6 @@
 #include "coupler/summary/summary.hpp"
 
+#include "coupler/compare/record.hpp"
 #include "coupler/coupling/window_report.hpp"
 #include "coupler/summary/history_metrics.hpp"
 #include "coupler/summary/notes.hpp"
@@ -139,6 +140,24 @@ void Summary::take_history(const Table& history) {
     for (const auto& [metric, value] :
          metrics_of_column(history, column, std::isfinite(contact) ? std::optional(contact) : std::nullopt))
       results_[column + ":" + metric] = value;
+  drop_peaks_of_the_start(history);
+}
+
+/// A quantity that falls from the value it began with has no first peak.
+void Summary::drop_peaks_of_the_start(const Table& history) {
+  const bool met_water =
+      std::ranges::any_of(results_, [](const auto& result) { return result.first.ends_with(":contact"); });
+  for (const auto* names : {&probes_, &of_history_})
+    for (const std::string& probe : *names) {
+      const auto value = results_.find(probe + ":first_peak"),
+                 time = results_.find(probe + ":time_of_first_peak");
+      if (value == results_.end() || time == results_.end()) continue;
+      const bool begins_with_contact = results_.contains(probe + ":contact") || (is_load(probe) && met_water);
+      if (!falls_towards(curve_of(history, probe), {time->second, value->second}, begins_with_contact))
+        continue;
+      results_.erase(value);
+      results_.erase(time);
+    }
 }
 
 double Summary::mean_iterations() const {

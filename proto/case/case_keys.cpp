@@ -114,18 +114,23 @@ std::string read_structure_solver(CaseFile& file) {
 WindowChoice choose_for_all(const CaseFile& file, const CommonKeys& keys) {
   if (keys.bodies.empty()) return choose_window(file, keys);
   std::optional<WindowChoice> shortest;
-  double speed = 0;
+  double speed = 0, by_table = 0;
+  bool from_rest = false;
   for (const BodyKeys& body : keys.bodies) {
     CommonKeys own = keys;
     own.structure_solver = body.solver;
     WindowChoice choice = choose_window(file.of_body(body.name), own);
     choice.why = body.name + ": " + choice.why;
     speed = std::max(speed, choice.speed);
+    by_table = std::max(by_table, choice.by_table);
+    from_rest = from_rest || choice.from_rest;
     const bool level = choice.level || (shortest && shortest->level);
     if (!shortest || choice.window < shortest->window) shortest = choice;
     shortest->level = level;
   }
   shortest->speed = speed;
+  shortest->by_table = by_table;
+  shortest->from_rest = from_rest;
   return *shortest;
 }
 

@@ -329,6 +329,12 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
   if (p.kind == "ccx") check_ccx(structure, p);
   check_failure(structure.table("failure"), p);
   check_probes(file, common, p);
+  if (p.analysis != Analysis::dynamic && common.fluid_solver != "none")
+    throw structure.error("analysis",
+                          fmt::format("dynamic: statics and modes take no force of the water, and "
+                                      "fluid.solver is \"{}\"",
+                                      common.fluid_solver),
+                          "fluid.solver = \"none\" for the body alone, or structure.analysis = \"dynamic\"");
 }
 
 }  // namespace
@@ -354,7 +360,8 @@ Parameters read(CaseFile& file, const std::string& kind, const CommonKeys& commo
   if (p.ranks > 1) p.threads = threads_of_rank(common, p.ranks, processors_here());
   t.choice("analysis", p.analysis,
            {{"dynamic", Analysis::dynamic}, {"static", Analysis::statics}, {"modal", Analysis::modal}},
-           {.help = "static: equilibrium under the case's own load; modal: natural frequencies"});
+           {.help = "static: equilibrium under the case's own load; modal: natural frequencies; both with "
+                    "fluid.solver = none"});
   read_shape(file, t, p);
   t.choice("plane", p.material.plane_stress, {{"strain", false}, {"stress", true}},
            {.help = "two dimensions: strain, no motion across the plane (a long hull); stress, no load "

@@ -34,12 +34,11 @@ std::vector<Points> with_attachments(const InterfaceRecord& record) {
 }
 
 std::optional<deck::LoadHistory> load_of(const std::filesystem::path& run, const deck::Model& model) {
+  if (model.analysis != Analysis::dynamic) return std::nullopt;
   std::error_code none;
-  if (!std::filesystem::exists(run / "interface", none)) {
-    if (model.analysis != Analysis::dynamic) return std::nullopt;
+  if (!std::filesystem::exists(run / "interface", none))
     throw Error(ExitCode::case_file, run.string(), "has no interface/, so no recorded load",
                 "name the folder of a coupled run, or one with structure.analysis = \"static\" or \"modal\"");
-  }
   const InterfaceRecord record = read_interface_record(run);
   require_same_points(record.mesh.position, model.interface_position, run);
   return deck::nodal_history(model, record.windows, with_attachments(record));

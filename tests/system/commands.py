@@ -214,8 +214,20 @@ def export_writes_decks(place, run):
     expect(0.9 < felt / impulse <= 1.0001, f"export: the deck carries the recorded impulse, {felt:.5g} of {impulse:.5g} N s/m")
     elsewhere = strake("export", run, "--to", "ccx", "-o", place / "decks", "--set", "structure.fem.refinement=1", cwd=place)
     expect(elsewhere.returncode == 0 and (place / "decks" / "probes.csv").exists(), f"export -o DIR\n{elsewhere.stderr}")
+    page = strake("export", "--help", cwd=place).stdout
+    expect("structure.analysis=modal" in page and "structure.solver" not in page, f"export --help names keys that a deck has\n{page}")
+    modes = strake("export", run, "--to", "ccx", "-o", place / "modes", "--set", "structure.analysis=modal", cwd=place)
+    expect(modes.returncode == 0 and "*FREQUENCY" in (place / "modes" / "ccx.inp").read_text(), f"a deck of modes\n{modes.stderr}")
     nowhere = strake("export", place, "--to", "ccx", cwd=place)
     expect(nowhere.returncode == 3 and "case.toml" in nowhere.stderr, f"export of no run is refused\n{nowhere.stderr}")
+    for name, lines, words in (("outline", 'solver = "rigid"\noutline = [[0, 0], [1, 0], [0, 1]]', "structure.outline, which has no cells"),
+                               ("none", 'solver = "none"', "has no structure"),
+                               ("heavy", 'solver = "rigid"\nmass = 3.0\nplate = { length = 1.0, thickness = 0.1 }', '"rigid". With finite elements')):
+        (place / name).mkdir(exist_ok=True)
+        (place / name / "case.toml").write_text(f"[structure]\n{lines}\n")
+        refused = strake("export", place / name, "--to", "ccx", cwd=place)
+        expect(refused.returncode == 3 and words in refused.stderr and "--set structure.solver=fem" not in refused.stderr,
+               f"export of {name} says what was found\n{refused.stderr}")
     other = strake("export", run, "--to", "ccx", "--set", "structure.plate.length=0.2", cwd=place)
     expect(other.returncode == 3 and "interface points" in other.stderr, f"export of another shape is refused\n{other.stderr}")
 

@@ -160,6 +160,22 @@ TEST(Compare, JudgesAFirstPeakByItsMagnitudeAsSoonAsItIsKnown) {
       Result::fail);
 }
 
+TEST(Compare, TheValueThatAQuantityFallsFromIsNoFirstPeak) {
+  Table history;
+  history.columns = {{"time", "s"}, {"height", "m"}, {"place", "m"}};
+  history.value = {{0.1, 0.2, 0.3, 0.4}, {0.9, 0.8, 0.6, 0.5}, {9, 5, 2, 1}};
+  RunData data{.monitor = {{"height:first_peak", 1.0}, {"height:time_of_first_peak", 0.05}},
+               .history = &history,
+               .time = 0.4,
+               .finished = true};
+  for (const char* probe : {"height", "place"})
+    EXPECT_EQ(judge(block_of(probe, "first_peak", 1, 0.1), data).front().result, Result::not_reached)
+        << probe;
+  data.monitor["height:contact"] = 0.01;
+  EXPECT_EQ(judge(block_of("height", "first_peak", 1, 0.1), data).front().result, Result::pass)
+      << "a blow in the first window";
+}
+
 TEST(Compare, WaitsForTheEndWhereALaterValueCouldChangeIt) {
   RunData data = {{{"p:peak", 2.0}, {"p:final", 1.0}}};
   EXPECT_EQ(judge(block_of("p", "peak", 2, 0.1), data).front().result, Result::not_reached);

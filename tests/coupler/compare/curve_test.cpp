@@ -63,6 +63,15 @@ TEST(Curve, PassesOverRipplesAndOverPeaksBelowFivePercentOfTheRecord) {
   EXPECT_FALSE(first_peak({{0, 1, 2}, {0, 1, 2}}, 0)) << "still rising";
 }
 
+TEST(Curve, FallsTowardsAPeakThatIsTheValueItBeganWith) {
+  const Curve falling = {{1, 2, 3, 4}, {8, -6, 4, 2}};
+  EXPECT_TRUE(falls_towards(falling, {0.5, 8.1}, false)) << "within the first sample";
+  EXPECT_FALSE(falls_towards(falling, {0.5, 8.1}, true)) << "a blow within the first sample";
+  EXPECT_TRUE(falls_towards(falling, {3, 4}, true)) << "its value at contact";
+  EXPECT_FALSE(falls_towards(falling, {3, -7}, false)) << "higher than the sample before";
+  EXPECT_FALSE(falls_towards({}, {1, 1}, false));
+}
+
 TEST(Curve, SlidesAMeanOverARectangularPulse) {
   // A pulse of height 4 and length 1 under a window of length 2. The mean is 2, up to the ramps of one
   // sample.

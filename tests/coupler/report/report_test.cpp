@@ -173,6 +173,12 @@ TEST(Histories, WhatFallsFromItsStartOrAtContactHasNoFirstPeak) {
   EXPECT_EQ(zooms({0.5, 100}), 0U) << "in the first window";
   EXPECT_EQ(zooms({20, 81}), 0U) << "its value at contact";
   EXPECT_GT(zooms({20, 83}), 0U) << "higher than the row before";
+  Recorded blow = run_with("force.y", falling, {0.5, 100});
+  blow.windows = 100;
+  EXPECT_EQ(count(history_figures({blow}, ""), "around the first peak"), 0U);
+  blow.contact["body"] = 0;
+  EXPECT_GT(count(history_figures({blow}, ""), "around the first peak"), 0U)
+      << "a force that begins with contact";
 }
 
 TEST(Histories, ComponentsAtRoundOffAreNotDrawn) {

@@ -121,6 +121,26 @@ TEST(Resolution, EachOfSeveralBodiesHasItsLines) {
   EXPECT_TRUE(says(lines, "one spacing"));
 }
 
+TEST(Resolution, OneOfSeveralBodiesThatFallsFromRestHasItsLines) {
+  const Wedge driven(0.25, std::tan(std::numbers::pi / 6));
+  Wedge falling = driven;
+  falling.velocity.setZero();
+  CaseView view = case_with(0.005, 0.12);
+  view.value["fluid.gravity"] = "[0, -9.81, 0]";
+  view.value["structures.falling.free.y"] = "true";
+  view.common.chosen.from_rest = true;
+  const auto lines = [&] {
+    return resolution_lines(
+        view, {{"driven", driven.mesh, driven.velocity}, {"falling", falling.mesh, falling.velocity}});
+  };
+  EXPECT_TRUE(says(lines(), "falling: 38 spacings on half the wetted width"));
+  view.common.chosen.by_table = 2;  // of another body
+  EXPECT_TRUE(says(lines(), "falling: 38 spacings on half the wetted width"));
+  view.value["structures.falling.motion.file"] = "fall.csv";
+  EXPECT_FALSE(says(lines(), "falling:"));
+  EXPECT_TRUE(says(lines(), "driven:"));
+}
+
 TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
   const std::string words = "does not reach the water";
@@ -139,6 +159,22 @@ TEST(Resolution, CountsSpacingsThroughTheJet) {
   EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "0.3 spacings"));
   EXPECT_TRUE(says(resolution_lines(case_with(0.008, 0.006), wedge.mesh, wedge.velocity), "= 0.0024"));
   EXPECT_TRUE(says(resolution_lines(case_with(0.002, 0.006), wedge.mesh, wedge.velocity), "1.2 spacings"));
+}
+
+// A bow whose slope falls from 2 to 1: its mean slope tells nothing of the jet, and wedges nothing of its
+// force.
+TEST(Resolution, AFaceWhoseSlopeChangesIsNotSaidToScatterAsWedgesDo) {
+  Wedge bow(0.25, 0.6);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.002, 0.012), bow.mesh, bow.velocity), "as that of wedges"));
+  bow.mesh.position.resize(3, 5);
+  bow.mesh.position << 0, 0.04, 0.25, -0.25, -0.04, 0, 0.08, 0.15, 0.15, 0.08, 0, 0, 0, 0, 0;
+  bow.mesh.faces.resize(2, 5);
+  bow.mesh.faces << 0, 1, 2, 3, 4, 1, 2, 3, 4, 0;
+  bow.velocity = Points::Zero(3, 5);
+  bow.velocity.row(1).setConstant(-6);
+  const auto lines = resolution_lines(case_with(0.002, 0.012), bow.mesh, bow.velocity);
+  EXPECT_TRUE(says(lines, "by 20 to 70 % on a bow with flare"));
+  EXPECT_FALSE(says(lines, "as that of wedges"));
 }
 
 // 10 degrees: a jet of 0.1 and 0.2 spacings needs 2π δ/tan²β = 20 and 40 spacings on half the wetted width.

@@ -64,6 +64,35 @@ TEST(Summary, AGaugeKeepsItsFirstPeakWhileABodyIsInTheAir) {
   EXPECT_EQ(summary.json()["probes"]["gauge"]["first_peak"], 0.2);
 }
 
+TEST(Summary, WhatFallsFromItsStartHasNoFirstPeak) {
+  Table history;
+  history.columns = {{"time", "s"}, {"height", "m"}, {"p_mid", "Pa"}, {"force.y", "N/m"}, {"body.vy", "m/s"}};
+  history.value = {{1, 2, 3, 4}, {0.9, 0.8, 0.5, 0.4}, {90, 80, 50, 40}, {9, 8, 5, 4}, {9, 8, 5, 4}};
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.structure.clear();
+  window.report.fluid = {{"height:first_peak", 1.0},
+                         {"height:time_of_first_peak", 0.1},
+                         {"p_mid:first_peak", 100},
+                         {"p_mid:time_of_first_peak", 0.1}};
+  const auto probes_of = [&] {
+    Summary summary("case", "");
+    summary.add(window);
+    summary.take_history(history);
+    return summary.json()["probes"];
+  };
+  const auto dry = probes_of();
+  EXPECT_EQ(dry.size(), 4U);
+  for (const auto& [name, entry] : dry.items()) {
+    EXPECT_TRUE(entry["first_peak"].is_null()) << name;
+    EXPECT_TRUE(entry["time_of_first_peak"].is_null()) << name;
+  }
+  window.report.fluid["p_mid:contact"] = 0;
+  const auto probes = probes_of();
+  EXPECT_EQ(probes["p_mid"]["first_peak"], 100) << "a blow in the first window";
+  EXPECT_EQ(probes["force.y"]["first_peak"], 9) << "the force of that blow";
+  for (const char* name : {"height", "body.vy"}) EXPECT_TRUE(probes[name]["first_peak"].is_null()) << name;
+}
+
 TEST(Summary, HoldsExactlyTheKeysThatScriptsRelyOn) {
   const auto json = Summary("plate_entry", "rigid").json();
   EXPECT_EQ(keys(json), (std::set<std::string>{"case", "tag", "exit_code", "end_time", "windows",
@@ -176,6 +205,18 @@ TEST(HistoryMetrics, APeakThatStandsAloneIsABlow) {
   contact.value[2][20] = 12;
   EXPECT_TRUE(blow_lines(contact, columns).empty()) << "the first contact";
   EXPECT_TRUE(blow_lines(Table{}, columns).empty());
+}
+
+TEST(HistoryMetrics, EachOfSeveralBodiesHasItsImpulseAndItsBlow) {
+  Table history = record_with(12, 50);
+  history.columns = {{"time", "s"}, {"force.y", "N"}, {"left.force.y", "N"}, {"right.force.y", "N"}};
+  history.value[1] = history.value[2];
+  history.value[3].assign(100, 1);
+  const auto lines = blow_lines(history, {"force.y", "left.force.y", "right.force.y"});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].starts_with("left.force.y: the peak of 12 N")) << lines[0];
+  const auto impulse = metrics_of_column(history, "right.force.y", 0.01);
+  EXPECT_NEAR(impulse.at("impulse"), 3e-4, 1e-12);
 }
 
 TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {

@@ -51,6 +51,23 @@ TEST(WindowChoice, ALevelFaceThatMeetsTheWaterKeepsAcousticWindows) {
   EXPECT_EQ(window_with({"fluid.solver=none"}), 1e-5);
 }
 
+TEST(WindowChoice, OfSeveralBodiesAnyThatStartsAtRestAndMovesLaterIsKnown) {
+  const auto chosen = [](const std::string& first, const std::string& second) {
+    const std::string wedge = "\n[structures.wedge]\ndeadrise = 30.0\nwidth = 0.2\n";
+    CaseFile file =
+        CaseFile::parse(water + "[[structures]]\nname = \"a\"\nsolver = \"rigid\"\n" + first + wedge +
+                        "[[structures]]\nname = \"b\"\nsolver = \"rigid\"\n" + second + wedge);
+    return read_common(file).chosen;
+  };
+  const std::string held, falls = "free = { y = true }", driven = "velocity = [0.0, -5.0, 0.0]";
+  EXPECT_FALSE(chosen(held, held).from_rest);
+  EXPECT_FALSE(chosen(driven, driven).from_rest);
+  for (const std::string& other : {held, falls, driven}) {
+    EXPECT_TRUE(chosen(other, falls).from_rest) << other;
+    EXPECT_TRUE(chosen(falls, other).from_rest) << other;
+  }
+}
+
 TEST(WindowChoice, ABodyThatStartsAtRestAndMovesLaterIsKnown) {
   const Sets at_rest = {"structure.solver=rigid", "structure.wedge.deadrise=30"};
   const Sets falls = with(at_rest, {"structure.free.y=true"});

@@ -112,6 +112,10 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
   says(complaint("particle", {"structure.wet=[\"bottom\"]", "coupling.interface=volume"}),
        "every particle of the body meets the water");
   says(complaint("rigid", {"structure.analysis=modal"}), "no modes");
+  for (const std::string analysis : {"structure.analysis=modal", "structure.analysis=static"}) {
+    says(complaint("fem", {analysis}), "take no force of the water, and fluid.solver is \"mps\"");
+    EXPECT_EQ(complaint("fem", {analysis, "fluid.solver=none"}), "");
+  }
   says(complaint("fem", {"structure.analysis=static", "structure.plate.supports.left=free",
                          "structure.plate.supports.right=free"}),
        "no equilibrium");

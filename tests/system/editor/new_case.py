@@ -104,6 +104,10 @@ def options_arrive(place):
     checked = strake("check", "bar.toml", cwd=place)
     expect(checked.returncode == 0, f"a coarse spacing of a slender body: exit {checked.returncode}\n{checked.stderr}")
     word = strake("new", "mesh", "box.stl", "--scale", "0.001", "-o", "word.toml", cwd=place)
+    page = strake("new", "mesh", "--help", cwd=place).stdout
+    expect("REQUIRED" not in page and page.count("by its name alone, or after --mesh") == 2, f"the file is needed once\n{page}")
+    none = strake("new", "mesh", "-o", "none.toml", cwd=place)
+    expect(none.returncode == 2 and "needs a mesh file" in none.stderr, f"no file: exit {none.returncode} {none.stderr}")
     expect(word.returncode == 0, f"the file without --mesh: exit {word.returncode} {word.stderr}")
     expect("0.5 m wide, 0.2 m high" in (place / "box_stl.toml").read_text(), "its size stands in the file")
     (place / "below").mkdir()
