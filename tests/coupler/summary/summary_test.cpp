@@ -178,6 +178,19 @@ TEST(HistoryMetrics, APeakThatStandsAloneIsABlow) {
   EXPECT_TRUE(blow_lines(Table{}, columns).empty());
 }
 
+TEST(HistoryMetrics, ABlowOnOneOfSeveralBodiesIsSaidAndNotThePullOfARope) {
+  Table history = record_with(-12, 51);
+  for (Column& column : history.columns)
+    if (column.name != "time") column.name = "left." + column.name;
+  const std::vector<std::string> columns = {"left.force.x", "left.force.y"};
+  EXPECT_TRUE(blow_lines(history, columns).empty()) << "a rope has no energy of its own";
+  history.columns.push_back({"left.energy.kinetic", "J"});
+  history.value.push_back(history.value[0]);
+  const auto lines = blow_lines(history, columns);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("left.force.y: the peak of -12 N"), std::string::npos) << lines[0];
+}
+
 TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {
   Points x(3, 3), u = Points::Zero(3, 3), f = Points::Zero(3, 3);
   x << -1, 0.5, 1, 0, 0, 0, 0, 0, 0;
