@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -100,16 +101,24 @@ void print_warning(const std::string& text) {
 /// What both sides say of the case when they are set up, as a run would do it.
 void print_understood(const CaseView& view, const CheckOptions& options, const StopRequest& stop) {
   const TemporaryFolder folder;
-  const Session session(view, {.run_folder = {},
+  std::optional<Session> session;
+  try {
+    session.emplace(
+        view, Session::Options{.run_folder = {},
                                .log_folder = folder.path(),
                                .patient = options.patient,
                                .say = [](const std::string& line) { put(stderr, visible(line) + "\n"); },
                                .stop = &stop});
+  } catch (const Error&) {
+    // A value in another unit is often why a body or the water does not fit.
+    for (const std::string& warning : far_off_lines(view, 0)) print_warning(warning);
+    throw;
+  }
   print_head(view, options);
-  for (const std::string& warning : session.warnings()) print_warning(warning);
-  fmt::print("{}", block_text("resolution", session.resolution()));
-  for (const auto& [name, lines] : session.understood()) fmt::print("{}", block_text(name, lines));
-  fmt::print("{}", block_text("mapping", session.mapping_lines()));
+  for (const std::string& warning : session->warnings()) print_warning(warning);
+  fmt::print("{}", block_text("resolution", session->resolution()));
+  for (const auto& [name, lines] : session->understood()) fmt::print("{}", block_text(name, lines));
+  fmt::print("{}", block_text("mapping", session->mapping_lines()));
 }
 
 }  // namespace

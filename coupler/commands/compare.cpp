@@ -261,7 +261,8 @@ ExitCode compare_several(const CompareOptions& options) {
   std::size_t points = 0;
   for (const Comparison& c : made) points = std::max(points, c.points);
   fmt::print(
-      "\nvalues between rows are linear; peaks of a run's probes are those of its solver's steps; l2 at the "
+      "\nvalues between rows are linear, each row of a load is the mean of its window; peaks of a run's "
+      "probes are those of its solver's steps; l2 at the "
       "rows of both, dtw at {} equal steps; deviations are from (1)\n",
       points);
   if (!still.empty()) fmt::print("zero in all of them: {}\n", visible(joined(still)));

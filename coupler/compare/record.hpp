@@ -53,7 +53,8 @@ class RecordSource {
       peaks_;  // probe → first peak, peak; of summary.json
 };
 
-/// Whether a column of a run is a component of force or moment on the body.
+/// Whether a column of a run is a component of force or moment: on the body ("force.y"), on one of several
+/// bodies ("left.force.y"), or of an attachment ("mooring.force.y").
 bool is_load(const std::string& column);
 /// A column over "time" without the rows in which one of them is empty; empty where there is no such column.
 Curve curve_of(const Table&, const std::string& column);

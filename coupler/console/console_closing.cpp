@@ -73,18 +73,28 @@ std::string found_text(const Json& probe, const Style& style) {
   return text;
 }
 
-/// Force and moment on the body, without components that are round-off beside the largest force.
+/// The name of a column without that of its body: "force.y" of "left.force.y".
+std::string without_body(const std::string& name) {
+  const auto dot = name.find('.');
+  const std::string own = dot == std::string::npos ? "" : name.substr(dot + 1);
+  return own.starts_with("force.") || own.starts_with("moment.") ? own : name;
+}
+
+/// Force and moment on the body, on each of several, and forces of attachments, without components that are
+/// round-off beside the largest force.
 std::vector<std::string> telling_loads(const Json& probes) {
   constexpr double least_part = 1e-6;  // of the largest force; of a moment a lever arm of a micrometre [m]
   const auto peak_of = [](const Json& entry) { return std::abs(number_of(entry, "peak").value_or(0)); };
   double largest = 0;
   for (const auto& [name, entry] : probes.items())
-    if (name.starts_with("force.")) largest = std::max(largest, peak_of(entry));
+    if (without_body(name).starts_with("force.")) largest = std::max(largest, peak_of(entry));
   std::vector<std::string> loads;
-  for (const auto& [name, entry] : probes.items())
-    if ((name.starts_with("force.") || name.starts_with("moment.")) && largest > 0 &&
+  for (const auto& [name, entry] : probes.items()) {
+    const std::string load = without_body(name);
+    if ((load.starts_with("force.") || load.starts_with("moment.")) && largest > 0 &&
         peak_of(entry) > least_part * largest)
       loads.push_back(name);
+  }
   return loads;
 }
 
@@ -121,7 +131,7 @@ void add_found(const Json& probes, const RunHeader& header, const Style& style,
       if (std::string text = found_text(probes[column.name], style); !text.empty())
         found.emplace_back(visible(column.name), visible(text));
   for (const std::string& load : telling_loads(probes))
-    found.emplace_back(load, found_text(probes[load], style));
+    found.emplace_back(visible(load), visible(found_text(probes[load], style)));
   for (const std::string& motion : telling_motions(probes)) {
     Json entry = probes[motion];
     entry["first_peak"] = nullptr;

@@ -121,17 +121,21 @@ std::string Assembly::column_name(const std::string& body, const std::string& co
 
 void Assembly::refuse_contact(ExitCode code, const std::string& when, const Points& displacement) const {
   auto gap = closest_bodies(mesh_, displacement, nearest_);
-  if (!gap && code == ExitCode::case_file) gap = body_inside_another(mesh_, displacement);
+  const bool close = gap.has_value();
+  if (code == ExitCode::case_file)
+    if (const auto within = body_inside_another(mesh_, displacement)) gap = within;
   if (!gap) return;
   const std::string place =
       mesh_.dimension == 2 ? fmt::format("({:.4g}, {:.4g}) m", gap->at.x(), gap->at.y())
                            : fmt::format("({:.4g}, {:.4g}, {:.4g}) m", gap->at.x(), gap->at.y(), gap->at.z());
-  const std::string what = gap->inside
-                               ? fmt::format("{} lies inside {} {}", gap->one, gap->other, when)
-                               : fmt::format("{:.3g} m apart {}, the nearest is one fluid.spacing, {:.3g} m",
-                                             gap->distance, when, nearest_);
+  const std::string what =
+      gap->inside
+          ? fmt::format("{} {} {} {}", gap->one, close ? "reaches into" : "lies inside", gap->other, when)
+          : fmt::format("{:.3g} m apart {}, the nearest is one fluid.spacing, {:.3g} m", gap->distance, when,
+                        nearest_);
   throw Error(code, fmt::format("{} and {}, at {}", gap->one, gap->other, place), what,
-              code == ExitCode::case_file
+              gap->inside ? "move one of them"
+              : code == ExitCode::case_file
                   ? "move one of them, or choose a smaller fluid.spacing"
                   : "end the run before they meet, or choose a smaller fluid.spacing; Strake computes no "
                     "contact of bodies");

@@ -73,8 +73,8 @@ struct BodyGap {
 /// displacement: 3×n [m] of the mesh's points.
 std::optional<BodyGap> closest_bodies(const InterfaceMesh&, const Points& displacement, double limit);
 
-/// The first body with its first point inside another one, which is closed. Only the start of a run needs it:
-/// later a body cannot come into another without touching it.
+/// The first body with a point inside another one, which is closed. Only the start of a run needs it: later a
+/// body cannot come into another without touching it.
 std::optional<BodyGap> body_inside_another(const InterfaceMesh&, const Points& displacement);
 
 }  // namespace strake

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -83,11 +84,19 @@ std::optional<BodyGap> body_inside_another(const InterfaceMesh& mesh, const Poin
   const std::vector<Part> parts = parts_of(mesh, position);
   for (const Part& one : parts)
     for (const Part& other : parts) {
-      if (&one == &other || one.mesh->first_point == one.end_point) continue;
-      const Vector3d x = position.col(one.mesh->first_point);
-      double part = 0;
-      for (Index f = other.mesh->first_face; f < other.end_face; ++f) part += seen_part(mesh, position, f, x);
-      if (std::abs(part) > 0.5) return BodyGap{one.mesh->name, other.mesh->name, 0, x, true};
+      if (&one == &other) continue;
+      for (Index i = one.mesh->first_point; i < one.end_point; ++i) {
+        const Vector3d x = position.col(i);
+        if (!other.box.contains(x)) continue;
+        double part = 0, distance = other.box.diagonal().norm();
+        for (Index f = other.mesh->first_face; f < other.end_face; ++f) {
+          part += seen_part(mesh, position, f, x);
+          distance = std::min(distance, distance_to_face(mesh, position, f, x));
+        }
+        constexpr double touching = 1e-6;  // of the other body's size
+        if (distance < touching * other.box.diagonal().norm()) continue;
+        if (std::abs(part) > 0.5) return BodyGap{one.mesh->name, other.mesh->name, 0, x, true};
+      }
     }
   return std::nullopt;
 }

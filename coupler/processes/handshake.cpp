@@ -108,7 +108,7 @@ void Participants::State::welcome_back(Member& m, const CouplerSocket::Message& 
                                        std::uint64_t last_received) {
   const auto silence =
       m.connection.silent_since ? Clock::now() - *m.connection.silent_since : Clock::duration(0);
-  say(fmt::format("{}: is back after {}", m.place(), in_seconds(silence)));
+  say(fmt::format("{}: is back after {} without a heartbeat", m.place(), in_seconds(silence)));
   take_connection(m, message.peer);
   m.connection.silent_since.reset();
   m.connection.silence_told = false;

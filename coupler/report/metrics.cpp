@@ -50,8 +50,9 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
   return metric_unit(metric, unit);
 }
 
-/// "first_peak" → "first peak".
-std::string words(const std::string& metric) {
+/// "first_peak" → "first peak". judged: the case has a reference, which may have a window of its own.
+std::string words(const std::string& metric, bool judged) {
+  if (metric == "impulse" && !judged) return "impulse of the first 300 µs after contact";
   return metric == "mean_peak_50us" ? "largest mean of 50 µs" : in_words(metric);
 }
 
@@ -115,7 +116,10 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
   table.head(names);
   for (const std::string& metric : metrics) {
     const std::string unit = unit_of(runs, probe, metric);
-    std::vector<std::string> cells = {escape(words(metric))};
+    const bool judged = std::any_of(references.begin(), references.end(), [&](const Reference& r) {
+      return r.probe == probe && r.metric == metric;
+    });
+    std::vector<std::string> cells = {escape(words(metric, judged))};
     for (const Recorded& run : runs) {
       const ProbeResult* result = run.probe(probe);
       std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);

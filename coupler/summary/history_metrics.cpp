@@ -100,6 +100,8 @@ std::vector<std::string> blow_lines(const Table& history, const std::vector<std:
   for (const std::string& column : columns) {
     const auto dot = column.rfind("force.");
     if (!is_load(column) || dot == std::string::npos) continue;
+    // A body of several keeps an account of its energy, an attachment does not.
+    if (dot > 0 && !history.find(column.substr(0, dot) + "energy.kinetic")) continue;
     const auto found = peak(curve_of(history, column));
     auto& [value, name] = largest[column.substr(0, dot)];
     if (found && std::abs(found->value) > value) {

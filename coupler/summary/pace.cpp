@@ -160,7 +160,8 @@ std::optional<Pace> pace_of(const CaseView& view) {
   pace.chosen_step =
       std::min({sound && view.common.chosen.level ? sound_step : infinite, pace.chosen_window, flow});
   pace.windows = std::ceil(view.common.end_time / pace.window - 1e-9);
-  pace.steps = pace.windows * std::ceil(pace.window / pace.step - 1e-9);
+  // The last window ends with the run.
+  pace.steps = pace.windows * std::ceil(std::min(pace.window, view.common.end_time) / pace.step - 1e-9);
   pace.iterations = iterations_of(view);
   double elastic = 0;
   for (const SideView* side : view.sides()) {
@@ -237,6 +238,24 @@ void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::stri
                     pace.step, times(ratio), sound_step));
 }
 
+/// Gravity that points up, or along the water's level: in Strake y points up.
+void look_at_gravity(const CaseView& view, std::vector<std::string>& lines) {
+  const auto gravity = numbers_in(at_or(view.value, "fluid.gravity"));
+  if (gravity.size() < 2 || at_or(view.value, "fluid.open_top") == "false") return;
+  const bool space = view.number("fluid.dimension").value_or(2) > 2.5 && gravity.size() > 2;
+  const double along_x = std::abs(gravity[0]), along_z = space ? std::abs(gravity[2]) : 0;
+  if (gravity[1] > 0)
+    lines.push_back(
+        fmt::format("fluid.gravity points up, {:.3g} m/s^2 along y: the water leaves the tank, which is "
+                    "open above; [0, -9.81] points down",
+                    gravity[1]));
+  else if (std::max(along_x, along_z) > -gravity[1])
+    lines.push_back(
+        fmt::format("fluid.gravity points sideways, {:.3g} m/s^2 along {}: the water leaves the tank, which "
+                    "is open above along y; [0, -9.81, 0] points down",
+                    along_x > along_z ? gravity[0] : gravity[2], along_x > along_z ? "x" : "z"));
+}
+
 /// Values that another unit or another sign explains: g/cm³, GPa, mm/s.
 void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
   constexpr double fastest = 300;  // [m/s] a fifth of the speed of sound in water
@@ -245,12 +264,7 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         fmt::format("a speed of {:.3g} m/s: above {:g} m/s water is not nearly incompressible. Lengths are "
                     "in m, speeds in m/s",
                     speed, fastest));
-  if (const auto gravity = numbers_in(at_or(view.value, "fluid.gravity"));
-      gravity.size() > 1 && gravity[1] > 0 && at_or(view.value, "fluid.open_top") != "false")
-    lines.push_back(
-        fmt::format("fluid.gravity points up, {:.3g} m/s^2 along y: the water leaves the tank, which is "
-                    "open above; [0, -9.81] points down",
-                    gravity[1]));
+  look_at_gravity(view, lines);
   constexpr double earth = 9.81;  // [m/s²]
   if (const double g = norm_of(view, "fluid.gravity"); g >= far_off * earth)
     lines.push_back(fmt::format("fluid.gravity of {:.3g} m/s^2 is {:.0f} times that of the earth, 9.81 m/s^2",
@@ -272,6 +286,13 @@ void look_at_units(const CaseView& view, std::vector<std::string>& lines) {
         fmt::format("structure.wedge.deadrise = {:.3g} deg is nearly level: angles are in degrees, and "
                     "{:.3g} rad are {:.3g}",
                     deadrise, deadrise, deadrise / degree));
+  const double rate = std::abs(view.number("structure.angular_velocity").value_or(0)),
+               turns = 0.5 * std::numbers::inv_pi * rate * view.common.end_time;
+  if (turns > 1)
+    lines.push_back(fmt::format(
+        "structure.angular_velocity of {:.4g} rad/s turns the body {:.2g} times in the run; {:.4g} deg/s are "
+        "{:.3g} rad/s",
+        rate, turns, rate, rate * degree));
 }
 
 /// A vector with a length along z in a case of the plane, which nothing reads: [0, -9,81] for [0, -9.81].

@@ -1,5 +1,7 @@
 #include "coupler/summary/resolution.hpp"
 
+#include "coupler/summary/blockage.hpp"
+#include "coupler/summary/hulls.hpp"
 #include "proto/lookup.hpp"
 
 #include <fmt/format.h>
@@ -53,6 +55,8 @@ std::optional<std::string> layers_line(const CaseView& view) {
 struct Wetted {
   double half = 0, slope = 0;
   bool left = false, straight = false;  // straight: the face has one slope, as that of a wedge
+  double rise = 0;                      // [m] of the water over its lowest point
+  std::string dry;                      // why a body of no wetted width stays away
 };
 
 /// The least rise [m] of the water that wets half a width, up to a given rise; by bisection.
@@ -93,6 +97,12 @@ double fall_of(const CaseView& view, const std::string& table) {
   return std::max(0.0, -0.5 * gravity[1] * view.common.end_time * view.common.end_time);
 }
 
+/// Says when a body that comes down too slowly, or from too high, would meet the water. speed: at t = 0.
+std::string why_late(const CaseView& view, const std::string& table, double speed, double height) {
+  if (is_free_body(view, table) || !(speed > 0)) return fmt::format("it starts {:.3g} m above it", height);
+  return fmt::format("at {:.3g} m/s it does at t = {:.3g} s", speed, height / speed);
+}
+
 /// Nothing where the body does not come down on the water; half = 0 where it does not reach it. Water rises
 /// along an inclined face by π/2 of the depth (Wagner 1932).
 std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& moving, double level) {
@@ -104,20 +114,23 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& movi
   const bool by_table =
       view.common.chosen.by_table > 0 && (name.empty() || !at_or(view.value, table + ".motion.file").empty());
   if (lowest < level - 1e-9 || by_table) return std::nullopt;
-  if (speed < 0 && !is_free_body(view, table)) return Wetted{};  // driven upwards
+  const bool free = is_free_body(view, table);
+  if (speed < 0 && !free) return Wetted{.dry = "its velocity points up, along +y"};
+  const bool level_way = speed == 0 && velocity.row(1).isZero(0) && !velocity.isZero(0);
+  if (level_way && lowest > level + 1e-9 && !free) return Wetted{.dry = "its velocity is level, y points up"};
   const double way = speed > 0 ? speed * view.common.end_time : fall_of(view, table);
   if (!(way > 0)) return std::nullopt;
   const double depth = way - (lowest - level);
-  if (!(depth > 0)) return Wetted{};
+  if (!(depth > 0)) return Wetted{.dry = why_late(view, table, speed, lowest - level)};
   const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
   if (!(half > 0)) return Wetted{};
   const bool grows = half > 1.01 * half_width_below(body, lowest + 0.95 * rise);
-  if (grows) return Wetted{half, rise / half, false, is_straight(body, lowest, half, rise)};
+  if (grows) return Wetted{half, rise / half, false, is_straight(body, lowest, half, rise), rise, {}};
   // The outermost point may stand on the side above the face, half a plate's thickness higher.
   const double inner = 0.95 * half, whole = rise_that_wets(body, lowest, half, rise) / half,
                face = rise_that_wets(body, lowest, inner, rise) / inner;
   const double slope = whole > 2 * face ? face : whole;
-  return Wetted{half, slope, true, is_straight(body, lowest, inner, face * inner)};
+  return Wetted{half, slope, true, is_straight(body, lowest, inner, face * inner), rise, {}};
 }
 
 /// Returns the spacings on half the wetted width that a jet of `jet` spacings needs, at least `least`:
@@ -130,7 +143,9 @@ double spacings_needed(const Wetted& wetted, double least, double jet) {
 }
 
 std::string width_line(const Wetted& wetted, double spacing) {
-  if (!(wetted.half > 0)) return "the body does not reach the water before end_time";
+  if (!(wetted.half > 0))
+    return "the body does not reach the water before end_time" +
+           (wetted.dry.empty() ? "" : ": " + wetted.dry);
   const double count = wetted.half / spacing, enough = spacings_needed(wetted, coarse, coarse_jet),
                good = spacings_needed(wetted, fine, fine_jet);
   const std::string judged =
@@ -160,6 +175,20 @@ std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
       "{}: the force scatters by up to 50 % about its mean, as that of wedges; by 10 % with "
       "fluid.spacing = {:.2g}",
       count, jet);
+}
+
+/// Says that water closes a hollow of the body: between two hulls, or between two edges. In the plane its air
+/// cannot leave, and only fluid.air.layer computes air.
+std::optional<std::string> hollow_line(const CaseView& view, const InterfaceMesh& body,
+                                       const Wetted& wetted) {
+  if (!(wetted.half > 0) || at_or(view.value, "fluid.air.layer") == "true") return std::nullopt;
+  const auto hollow = hollow_below(body, body.position.row(1).minCoeff() + wetted.rise);
+  if (!hollow) return std::nullopt;
+  return fmt::format(
+      "water closes a hollow {:.3g} m wide and {:.2g} m high: its air is not computed, and the blow on its "
+      "roof "
+      "follows step and spacing",
+      hollow->right - hollow->left, hollow->roof - hollow->mouth);
 }
 
 /// The slope of the body's face at the place nearest to `at`, as |dy/dx|; bodies in the plane.
@@ -215,33 +244,12 @@ double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) 
   return high > low ? 0.5 * (high - low) : 0;
 }
 
-/// Half the width of the widest of several hulls [m]; 0 where a body has one. Hulls are parts of a body in
-/// the plane whose outline a level surface at height y cuts apart. Where the body lies below the gap between
-/// two parts they are one, as the sides of a hollow V. Between the crossings of even and odd number lies the
-/// body.
+/// Half the width of the widest of several hulls [m]; 0 where a body has one.
 double half_width_of_hulls(const InterfaceMesh& body, double y) {
-  std::vector<double> crossings;
-  for (Eigen::Index f = 0; f < body.faces.cols(); ++f) {
-    const Eigen::Vector3d a = body.position.col(body.faces(0, f)), b = body.position.col(body.faces(1, f));
-    if ((a.y() <= y) != (b.y() <= y))
-      crossings.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
-  }
-  if (crossings.size() < 4 || crossings.size() % 2 != 0) return 0;
-  std::sort(crossings.begin(), crossings.end());
-  double widest = 0, left = crossings.front();
-  int hulls = 1;
-  for (std::size_t k = 1; k < crossings.size(); k += 2) {
-    const double right = crossings[k];
-    widest = std::max(widest, right - left);
-    if (k + 1 == crossings.size()) break;
-    const auto below = [&](const auto& X) { return X[1] <= y && X[0] > right && X[0] < crossings[k + 1]; };
-    bool joined = false;
-    for (Eigen::Index i = 0; i < body.position.cols(); ++i) joined = joined || below(body.position.col(i));
-    if (joined) continue;
-    left = crossings[k + 1];
-    ++hulls;
-  }
-  return hulls > 1 ? 0.5 * widest : 0;
+  const auto hulls = hulls_at(body, y);
+  double widest = 0;
+  for (const auto& [left, right] : hulls) widest = std::max(widest, right - left);
+  return hulls.size() > 1 ? 0.5 * widest : 0;
 }
 
 }  // namespace
@@ -278,6 +286,9 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
     const std::string begin = body.name.empty() ? "" : body.name + ": ";
     lines.push_back(begin + width_line(*wetted, *spacing));
     if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(begin + *jet);
+    if (const auto hollow = hollow_line(view, body.mesh, *wetted)) lines.push_back(begin + *hollow);
+    if (const auto walls = blockage_line(view, body.mesh, wetted->half, *level))
+      lines.push_back(begin + *walls);
   }
   if (bodies.size() == 1)  // of several it is not known on which one a sensor sits
     for (std::string& line : sensor_lines(view, bodies.front().mesh, *spacing))

@@ -22,9 +22,8 @@ constexpr double covering_distance = 0.1;
 constexpr int face_places = 37, face_turn = 6;
 /// A body farther off covers all of a face or nothing [l0]: more than half the diagonal of the square.
 constexpr double half_diagonal = 0.75;
-/// A face of a body that stood in the water comes or goes within this part of the time in which the water
-/// nearest to it passes l0 [1/part].
-constexpr double passing_rate = 4;
+/// How fast a face of a body that stood in the water comes or goes, of v/l0 (F91). Chosen; 1 does the same.
+constexpr double fading_rate = 4;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
@@ -33,8 +32,8 @@ constexpr double corner_margin = 0.02;
 
 template <int dim>
 WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& state, double spacing,
-                              double rate)
-    : spacing_(spacing), rate_(rate), first_(boundary.water()) {
+                              double least_speed)
+    : spacing_(spacing), least_speed_(least_speed), first_(boundary.water()) {
   const auto n = state.position.cols();
   axis_.setZero(dim, n - first_);
   depth_.setZero(n - first_);
@@ -137,17 +136,18 @@ double WallContact<dim>::find_bare(const Boundary<dim>& boundary, const State<di
 }
 
 /// Computes the part with which a body's face counts after that time (F91). It goes from 0 to 1 and back with
-///   max(rate, 4 |u_n|/l0) ,
-/// u_n the speed along the normal of the nearest water past the face.
+///   4 max(v, |u_n|)/l0 ,
+/// v the least speed, u_n that of the nearest water past the face, along the normal.
 template <int dim>
 double WallContact<dim>::faded(const State<dim>& state, std::int64_t row, std::int64_t nearest, double part,
                                double time, bool is_wet) const {
-  double rate = rate_;
+  double speed = least_speed_;
   if (nearest >= 0) {
     const Vector<dim> past = state.velocity.col(nearest) - state.velocity.col(row);
-    rate = std::max(rate, passing_rate * std::abs(past.dot(axis_.col(row - first_))) / spacing_);
+    speed = std::max(speed, std::abs(past.dot(axis_.col(row - first_))));
   }
-  return std::clamp(part + (is_wet ? rate : -rate) * time, 0.0, 1.0);
+  const double change = fading_rate * speed / spacing_ * time;
+  return std::clamp(part + (is_wet ? change : -change), 0.0, 1.0);
 }
 
 /// Lists the layer particles whose faces have become wet, those behind the first layer too.

@@ -28,9 +28,10 @@ namespace strake::fluid {
 template <int dim>
 class WallContact {
  public:
-  /// rate: how fast a face of a body comes or goes in still water [1/s]; infinite: at once.
+  /// least_speed: of (F91), with which a face of a body comes or goes in still water [m/s]; infinite: at
+  /// once.
   WallContact(const Boundary<dim>&, const State<dim>&, double spacing,
-              double rate = std::numeric_limits<double>::infinity());
+              double least_speed = std::numeric_limits<double>::infinity());
 
   /// Places the faces where they are now, and marks them wet or dry from the water's places. near: rows of at
   /// least 2 l0. time: since the last update [s].
@@ -88,11 +89,11 @@ class WallContact {
   Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
   void list_joined(const Boundary<dim>&, const State<dim>&);
   void place_bodies(const Boundary<dim>&, const State<dim>&);
-  bool fades() const { return rate_ < std::numeric_limits<double>::infinity(); }
+  bool fades() const { return least_speed_ < std::numeric_limits<double>::infinity(); }
   double faded(const State<dim>&, std::int64_t row, std::int64_t nearest, double part, double time,
                bool is_wet) const;
   double find_bare(const Boundary<dim>&, const State<dim>&, std::int64_t row) const;
-  double spacing_, rate_;
+  double spacing_, least_speed_;
   std::int64_t first_;  // layer particle
   Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
   Eigen::VectorXd depth_, bare_;

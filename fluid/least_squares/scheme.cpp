@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 // Each stage of a step calls the functions of the scheme in order.
 
@@ -33,11 +34,10 @@ bool has_face(const Boundary<dim>& boundary, const auto& is_one) {
   return false;
 }
 
-/// Returns how fast a face of a body comes or goes in still water [1/s], 4 √(|g|/l0) beside a body that stood
-/// in the water (F91).
-double fading_rate(const Parameters& p) {
+/// Returns √(|g| l0) beside a body that stood in the water, whose faces come and go gradually (F91).
+double fading_speed(const Parameters& p) {
   const double g = p.gravity.norm();
-  return p.submerged && g > 0 ? 4 * std::sqrt(g / p.spacing) : std::numeric_limits<double>::infinity();
+  return p.submerged && g > 0 ? std::sqrt(g * p.spacing) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ LeastSquaresScheme<dim>::LeastSquaresScheme(const Parameters& p, const Boundary<
       gradient_(lattice_constants<dim>(p.scheme.radius_gradient, p.spacing)),
       laplacian_(lattice_constants<dim>(p.scheme.radius_laplacian, p.spacing)),
       lattice_(laplacian_, p.spacing),
-      walls_(boundary, state, p.spacing, fading_rate(p)),
+      walls_(boundary, state, p.spacing, fading_speed(p)),
       sound_(p.sound_depth, p.spacing),
       oblique_(has_face(boundary, [&](int k) { return !boundary.is_between_sharp_corners(k); })) {
   wall_.curved = has_face(boundary, [&](int k) { return boundary.is_curved(k); });
@@ -99,7 +99,7 @@ void LeastSquaresScheme<dim>::set_water(const StepData<dim>& step) {
 template <int dim>
 void LeastSquaresScheme<dim>::set_layers(const StepData<dim>& step) {
   ranks_ = step.ranks;
-  walls_ = WallContact<dim>(step.boundary, step.state, p_.spacing, fading_rate(p_));
+  walls_ = WallContact<dim>(step.boundary, step.state, p_.spacing, fading_speed(p_));
   const std::int64_t layers = step.state.position.cols() - step.boundary.water();
   wall_.mean_velocity.setZero(dim, layers);
   wall_.cover.setZero(layers);

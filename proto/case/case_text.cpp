@@ -31,6 +31,15 @@ std::string plain(const toml::node& node) {
   return to_toml(node);
 }
 
+/// A table in place of a list of "KEY=VALUE", written as one; empty for anything else.
+std::string pairs_as_texts(const Declaration& d) {
+  const toml::table* table = d.node->as_table();
+  if (table == nullptr || table->empty()) return {};
+  std::vector<std::string> pairs;
+  for (const auto& [key, value] : *table) pairs.push_back(std::string(key.str()) + "=" + plain(value));
+  return d.name() + " = [" + list_of(pairs) + "]";
+}
+
 enum class PathKind { file, folder };
 
 void read_path(Declaration& d, const std::filesystem::path& folder, std::filesystem::path& value,
@@ -145,7 +154,7 @@ void CaseTable::texts(const std::string& name, std::vector<std::string>& value, 
     } else if (const std::optional<std::string> text = as_text(d)) {
       given.push_back(*text);
     } else {
-      throw d.wrong(d.expected);
+      throw d.wrong(d.expected, pairs_as_texts(d));
     }
     value = given;
   }

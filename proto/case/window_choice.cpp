@@ -177,10 +177,25 @@ bool starts_at_rest(const CaseFile& file, double by_table) {
   return !file.is_true("fluid.submerged") && !tank_moves(file) && (by_table > 0 || falls_free(file));
 }
 
+/// Speed at t = 0 of the body against water that fluid.initial_velocity sets in motion [m/s]; 0 where that is
+/// at rest.
+double speed_against_water(const CaseFile& file) {
+  const std::vector<double> water = file.numbers_at("fluid.initial_velocity.value"),
+                            body = file.numbers_at("structure.velocity");
+  if (norm_of(file, "fluid.initial_velocity.value", 0) == 0) return 0;
+  double square = 0;
+  for (std::size_t k = 0; k < water.size(); ++k) {
+    const double difference = water[k] - (k < body.size() ? body[k] : 0);
+    square += difference * difference;
+  }
+  return std::sqrt(square);
+}
+
 /// Speed of the body or of waves in the water [m/s].
 double speed_of(const CaseFile& file, const CommonKeys& keys, double by_table, double g) {
-  double speed = std::max({norm_of(file, "structure.velocity", 0),
-                           norm_of(file, "structure.initial_velocity.value", 0), by_table});
+  double speed =
+      std::max({norm_of(file, "structure.velocity", 0), norm_of(file, "structure.initial_velocity.value", 0),
+                by_table, speed_against_water(file)});
   if (falls_free(file)) speed = speed_of_free_body(file, keys.end_time, speed, g);
   if (is_elastic(keys) || is_driven(file) || speed == 0)
     speed = std::max(speed, std::sqrt(g * depth_of(file)));

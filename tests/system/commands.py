@@ -67,6 +67,9 @@ def check_leaves_nothing(place):
     expect("Strake would take" not in result.stdout, "check finds no key far off in a case of ours")
     slow = strake("check", CASE, *QUICK, "--set", "coupling.surface.window=1e-3", cwd=place)
     expect("coupling.surface.window = 0.001 is 100 times what Strake would take" in slow.stdout, "check names a key that is far off")
+    sunk = strake("check", CASE, *QUICK, "--set", "fluid.gravity=[-9.81,0]", "--set", "fluid.water=[[-1,-0.5],[1,0.1]]", cwd=place)
+    expect(sunk.returncode == 3 and "overlaps the water" in sunk.stderr and "fluid.gravity points sideways" in sunk.stdout,
+           f"check says what is odd of a case that is refused as well: exit {sunk.returncode}\n{sunk.stdout}{sunk.stderr}")
     every = strake("check", CASE, *QUICK, "--all", cwd=place)
     expect(every.returncode == 0 and "# default" in every.stdout, "check --all prints every value and its origin")
     for line in ("largest distance", "fluid points are not covered", "structure points feel no load", "rows sum to 1"):

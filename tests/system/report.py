@@ -186,7 +186,8 @@ def report_of_runs(place, runs):
             expect(f"± {100 * verdict['tolerance']:.3g} %" in page.words, f"the tolerance of {verdict['metric']} stands there")
             off = (verdict["value"] - verdict["reference"]) / abs(verdict["reference"])
             expect(has(page, off), f"deviation {100 * off:.2f} % of {verdict['metric']}")
-    for word in ("flat-bottom slamming", "structure.velocity", "time [ms]", "p_mid", "first peak", "--tag", "momentum_gap", "400 mm"):
+    for word in ("flat-bottom slamming", "structure.velocity", "time [ms]", "p_mid", "first peak", "--tag", "momentum_gap", "400 mm",
+                 "impulse of the first 300 µs after contact"):
         expect(word in page.words, f"the page says {word!r}")
     record = json.loads((runs[0] / "run.json").read_text())
     for word in (record["host"], record["compiler"], "Limits", "no air", "one spacing"):

@@ -71,6 +71,23 @@ TEST(Comparison, ImpulseOfARunCountsWhatHappensWithinItsWindows) {
   EXPECT_NEAR(*row_of(c, "impulse").value[0], 0.7, 1e-12);
 }
 
+// Each row has the mean force of its window: 0.1 (1 + 2 + 6) from 0.1 s on, not the 0.85 of straight lines.
+TEST(Comparison, ImpulseOfALoadIsThatOfItsWindows) {
+  const TemporaryFolder folder;
+  file_with(folder, "history.csv",
+            "window [1],time [s],left.force.y [N/m],left.body.vy [m/s]\n"
+            "1,0.1,0,1\n2,0.2,1,1\n3,0.3,2,1\n4,0.4,6,1\n");
+  const RecordSource run(folder.path().string());
+  const Record load = run.record("left.force.y"), speed = run.record("left.body.vy");
+  EXPECT_NEAR(*row_of(compare_records({load, load}, "q", {}), "impulse").value[0], 0.9, 1e-12);
+  EXPECT_NEAR(*row_of(compare_records({load, load}, "q", {}), "mean").value[0], 3, 1e-12);
+  EXPECT_EQ(speed.means.size(), 0u);
+  file_with(folder, "summary.json", R"({"probes": {"left.force.y": {"peak": 6, "time_of_peak": 0.4},
+                                                   "left.body.vy": {"peak": 1, "time_of_peak": 0.1}}})");
+  EXPECT_EQ(RecordSource(folder.path().string()).telling_quantities(),
+            (std::vector<std::string>{"left.force.y"}));
+}
+
 TEST(Comparison, TakesThePeaksOfTheStepsWhereARunHasThem) {
   const TemporaryFolder folder;
   file_with(folder, "history.csv",

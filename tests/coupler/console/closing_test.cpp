@@ -29,5 +29,28 @@ TEST(Closing, TellsTheSpeedAndTheAngleOfABodyThatMovesFreely) {
     EXPECT_EQ(found.find(silent), std::string::npos) << silent << "\n" << found;
 }
 
+// The sum of the loads of two hulls alone does not say which one bears them.
+TEST(Closing, TellsTheForceOnEachOfSeveralBodies) {
+  Table history;
+  history.columns = {{"time", "s"},
+                     {"force.y", "N/m"},
+                     {"left.force.y", "N/m"},
+                     {"right.force.y", "N/m"},
+                     {"right.force.x", "N/m"},
+                     {"mooring.force.y", "N/m"}};
+  history.value = {{0.1, 0.2, 0.3}, {0, 9, 8}, {0, 7, 5}, {0, 2, 3}, {0, 1e-9, 0}, {-1, -2, -3}};
+  Summary summary("hulls", "");
+  summary.describe(history.columns);
+  summary.take_history(history);
+  std::string found;
+  for (const std::string& line :
+       closing_lines({.summary = &summary, .folder = "runs/hulls"}, RunHeader{}, Style{}))
+    found += line + "\n";
+  for (const char* told : {" force.y ", "left.force.y     first peak 7 N/m at 200 ms",
+                           "right.force.y    peak 3 N/m", "mooring.force.y  peak -3 N/m"})
+    EXPECT_NE(found.find(told), std::string::npos) << told << "\n" << found;
+  EXPECT_EQ(found.find("right.force.x"), std::string::npos) << "round-off\n" << found;
+}
+
 }  // namespace
 }  // namespace strake

@@ -134,8 +134,8 @@ TEST(Assembly, GivesTheMeanToABodyThatKnowsNoHistory) {
   EXPECT_DOUBLE_EQ(find(two.left.told.front().fields, "force")->value(1, 0), 4);
 }
 
-std::string refusal(double x_of_right, double nearest) {
-  Square left{0, true}, right{x_of_right, true};
+std::string refusal(double x_of_right, double nearest, double y_of_right = 0) {
+  Square left{0, true}, right{x_of_right, true, 0, y_of_right};
   try {
     Assembly both({{"left", &left}, {"right", &right}}, {}, nearest);
   } catch (const Error& error) {
@@ -149,6 +149,7 @@ TEST(Assembly, RefusesBodiesThatOverlapOrAreTooClose) {
   EXPECT_NE(refusal(1.4, 0.5).find("left and right, at (1, 0) m: 0.4 m apart at the start"),
             std::string::npos);
   EXPECT_NE(refusal(0.5, 0.2).find("apart"), std::string::npos);
+  EXPECT_NE(refusal(0.9, 0.2, 0.5).find("reaches into"), std::string::npos) << refusal(0.9, 0.2, 0.5);
 }
 
 TEST(Assembly, StopsBeforeBodiesMeetInARun) {

@@ -185,7 +185,7 @@ TEST_F(Remote, AnAnswerThatANewConnectionRepeatsDoesNotMeetTheNextRequest) {
         }
         participants().finish();
       });
-  EXPECT_NE(said_.find("is back"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("s without a heartbeat"), std::string::npos) << said_;
 }
 
 TEST_F(Remote, NobodyTakesThePlaceOfOneWhoseConnectionStands) {

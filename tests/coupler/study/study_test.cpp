@@ -62,6 +62,10 @@ TEST_F(StudyFile, IsRefusedWithItsPlaceWhenANameIsUnknown) {
       std::string::npos);
   EXPECT_NE(problem(axes_ + "colum = 1\n").find("colum"), std::string::npos);
   EXPECT_NE(problem("jobs = 1\n").find("varies nothing"), std::string::npos);
+  EXPECT_NE(problem("set = { \"fluid.spacing\" = 0.02, end_time = 0.01 }\n" + axes_)
+                .find("set = [\"end_time=0.01\", \"fluid.spacing=0.02\"]"),
+            std::string::npos)
+      << problem("set = { \"fluid.spacing\" = 0.02, end_time = 0.01 }\n" + axes_);
   EXPECT_NE(problem("[[axis]]\nname = \"a\"\nvalue = [{ label = \"x/y\" }]\n").find("names a folder"),
             std::string::npos);
   EXPECT_NE(

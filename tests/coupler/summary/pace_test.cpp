@@ -59,6 +59,10 @@ TEST(Pace, CountsStepsParticlesAndMemory) {
   view.common.window = 1e-3;
   EXPECT_DOUBLE_EQ(pace_of(view)->step, 1e-4);
   EXPECT_EQ(pace_of(view)->windows, 10);
+  view.common.window = 5;  // as long as the run
+  EXPECT_EQ(pace_of(view)->windows, 1);
+  EXPECT_EQ(pace_of(view)->steps, 100);
+  view.common.window = 1e-3;
   view.value["structure.free.y"] = "true";
   EXPECT_GT(pace_of(view)->seconds, pace->seconds) << "iterations";
 }
@@ -184,6 +188,14 @@ TEST(Pace, ValuesInAnotherUnitAreSaid) {
   EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[0, 9.81, 0]"}}), "fluid.gravity points up"));
   EXPECT_FALSE(says(lines_with({{"fluid.gravity", "[0, 9.81, 0]"}, {"fluid.open_top", "false"}}),
                     "fluid.gravity points up"));
+  EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[-9.81, 0, 0]"}}), "sideways, -9.81 m/s^2 along x"));
+  EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[0, 0, -9.81]"}, {"fluid.dimension", "3"}}),
+                   "sideways, -9.81 m/s^2 along z"));
+  EXPECT_TRUE(lines_with({{"fluid.gravity", "[-2, -9.6, 0]"}}).empty()) << "a tank that leans";
+  EXPECT_TRUE(lines_with({{"fluid.gravity", "[0, 0, 0]"}}).empty());
+  EXPECT_TRUE(says(lines_with({{"structure.angular_velocity", "-720"}}),
+                   "720 rad/s turns the body 1.1 times in the run; 720 deg/s are 12.6 rad/s"));
+  EXPECT_TRUE(lines_with({{"structure.angular_velocity", "20"}}).empty());
   EXPECT_TRUE(says(lines_with({{"fluid.gravity", "[0, -9810, 0]"}}),
                    "9.81e+03 m/s^2 is 1000 times that of the earth"));
   EXPECT_TRUE(says(lines_with({{"fluid.density", "1"}}), "fluid.density = 1 is 1/1000 of that of water"));
@@ -263,7 +275,7 @@ TEST(Pace, APartAlongZIsSaidInThePlane) {
   view.value["fluid.gravity"] = "[0, -9, 81]";
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "fluid.gravity = [0, -9, 81] has a part along z"));
   view.value["fluid.dimension"] = "3";
-  EXPECT_FALSE(says(far_off_lines(view, 0.5), "along z"));
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "has a part along z"));
   view = wedge();
   view.value["structure.velocity"] = "[0, -2, 5]";
   EXPECT_TRUE(says(far_off_lines(view, 0.5), "structure.velocity = [0, -2, 5] has a part along z"));

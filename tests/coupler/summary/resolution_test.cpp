@@ -1,8 +1,12 @@
 #include "coupler/summary/resolution.hpp"
 
+#include "coupler/summary/blockage.hpp"
+#include "coupler/summary/hulls.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace strake {
@@ -73,6 +77,20 @@ TEST(Resolution, TheWidthOfACatamaranIsThatOfAHull) {
   for (int k = 0; k < 8; ++k) catamaran.faces.col(k) << k, (k + 1) % 8;
   EXPECT_NEAR(half_width_below(catamaran, 0.1), 0.1, 1e-12);
   EXPECT_NEAR(half_width_below(catamaran, 0.25), 0.5, 1e-12) << "the deck is wet";
+  const auto hollow = hollow_below(catamaran, 0.25);
+  ASSERT_TRUE(hollow);
+  EXPECT_NEAR(hollow->right - hollow->left, 0.6, 1e-12);
+  EXPECT_NEAR(hollow->roof - hollow->mouth, 0.2, 0.01);
+  EXPECT_FALSE(hollow_below(catamaran, 0.19)) << "its deck is dry";
+  Points velocity = Points::Zero(3, 8);
+  velocity.row(1).setConstant(-6);
+  CaseView view = case_with(0.01, 0.025);  // the water rises by (π/2) 0.15 m over the keels
+  const std::string words = "water closes a hollow 0.6 m wide and 0.2 m high: its air is not computed";
+  EXPECT_TRUE(says(resolution_lines(view, catamaran, velocity), words));
+  view.value["fluid.air.layer"] = "true";
+  EXPECT_FALSE(says(resolution_lines(view, catamaran, velocity), words));
+  EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.02), catamaran, velocity), words))
+      << "the deck is dry";
 }
 
 // Its inner faces are dry. A level surface crosses its outline four times, as that of two hulls.
@@ -85,6 +103,7 @@ TEST(Resolution, AHollowWedgeIsOneHull) {
   shell.faces.resize(2, 6);
   for (int k = 0; k < 6; ++k) shell.faces.col(k) << k, (k + 1) % 6;
   EXPECT_NEAR(half_width_below(shell, 0.05), 0.125, 1e-12);
+  EXPECT_FALSE(hollow_below(shell, 0.105)) << "it is open above";
 }
 
 TEST(Resolution, ABodyThatFallsFromRestHasItsWidth) {
@@ -150,6 +169,63 @@ TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   CaseView thrown = case_with(0.005, 0.012);
   thrown.value["structure.free.y"] = "true";
   EXPECT_FALSE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity), words));
+}
+
+// 6 m/s: the gap of 0.3 m is left behind at 0.05 s.
+TEST(Resolution, ABodyThatStaysAwayIsToldWhy) {
+  Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  wedge.mesh.position.row(1).array() += 0.3;
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity),
+                   "before end_time: at 6 m/s it does at t = 0.05 s"));
+  CaseView thrown = case_with(0.005, 0.012);
+  thrown.value["structure.free.y"] = "true";
+  EXPECT_TRUE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity),
+                   "before end_time: it starts 0.3 m above it"));
+  wedge.velocity.row(1).setConstant(6);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity),
+                   "before end_time: its velocity points up"));
+  wedge.velocity.row(1).setZero();
+  wedge.velocity.row(2).setConstant(-6);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.012), wedge.mesh, wedge.velocity),
+                   "before end_time: its velocity is level"));
+}
+
+// Images in walls and floor, as dipoles far away: π²a²/24W² and π²a²/48H². A plate in a corner of thin water
+// has no room.
+TEST(Resolution, BlockageIsThatOfImagesInWallsAndFloor) {
+  const double far = std::numeric_limits<double>::infinity(), pi2 = std::numbers::pi * std::numbers::pi;
+  EXPECT_EQ(blockage(1, far, far, far), 0);
+  EXPECT_NEAR(blockage(1, 20, 20, far), pi2 / 24 / 400, 1e-5);
+  EXPECT_NEAR(blockage(1, 20, far, far), pi2 / 48 / 400, 1e-5);
+  EXPECT_NEAR(blockage(1, 4, 4, 4), 0.0268 + 0.0129, 1e-4);
+  EXPECT_NEAR(blockage(1, far, far, 0.1), 4 / (3 * std::numbers::pi) * 10, 1e-12);
+  EXPECT_EQ(blockage(1, 1, far, far), far);
+}
+
+// Half the wetted width is 0.196 m: walls at 1 m and a floor 0.75 m below add 3 %, walls at 0.3 m add 23 %.
+TEST(Resolution, SaysThatWallsAreNear) {
+  const Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
+  CaseView view = case_with(0.005, 0.012);
+  view.value["fluid.tank"] = "[[-1, -0.75, 0], [1, 0.5, 0]]";
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "walls"));
+  view.value["fluid.tank"] = "[[-0.3, -0.75, 0], [0.3, 0.5, 0]]";
+  EXPECT_TRUE(
+      says(resolution_lines(view, wedge.mesh, wedge.velocity),
+           "walls 1.5 and floor 3.8 half wetted widths away: they raise the force by some 26 %, by 4 % "
+           "where each is 4 away"));
+  view.value["fluid.periodic"] = "[\"x\"]";
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "widths away"));
+  view.value["fluid.tank"] = "[[-0.3, -0.1, 0], [0.3, 0.5, 0]]";
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity),
+                   "floor 0.51 half wetted widths away: they raise"));
+  view.value["fluid.periodic"] = "[]";
+  view.value["fluid.tank"] = "[[-0.2, -0.75, 0], [0.2, 0.5, 0]]";
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "the force to more than twice"));
+  view.value["fluid.tank"] = "[[-0.3, -0.75, 0], [0.3, 0.5, 0]]";
+  view.value["fluid.sound_speed"] = "100";  // 0.6 m before the end, there and back
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "walls 1.5 half wetted"));
+  view.value["fluid.sound_speed"] = "10";
+  EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "widths away"));
 }
 
 TEST(Resolution, CountsSpacingsThroughTheJet) {

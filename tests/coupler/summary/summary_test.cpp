@@ -212,11 +212,28 @@ TEST(HistoryMetrics, EachOfSeveralBodiesHasItsImpulseAndItsBlow) {
   history.columns = {{"time", "s"}, {"force.y", "N"}, {"left.force.y", "N"}, {"right.force.y", "N"}};
   history.value[1] = history.value[2];
   history.value[3].assign(100, 1);
+  for (const char* body : {"left", "right"}) {
+    history.columns.push_back({std::string(body) + ".energy.kinetic", "J"});
+    history.value.push_back(history.value[0]);
+  }
   const auto lines = blow_lines(history, {"force.y", "left.force.y", "right.force.y"});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(lines[0].starts_with("left.force.y: the peak of 12 N")) << lines[0];
   const auto impulse = metrics_of_column(history, "right.force.y", 0.01);
   EXPECT_NEAR(impulse.at("impulse"), 3e-4, 1e-12);
+}
+
+TEST(HistoryMetrics, ABlowOnOneOfSeveralBodiesIsSaidAndNotThePullOfARope) {
+  Table history = record_with(-12, 51);
+  for (Column& column : history.columns)
+    if (column.name != "time") column.name = "left." + column.name;
+  const std::vector<std::string> columns = {"left.force.x", "left.force.y"};
+  EXPECT_TRUE(blow_lines(history, columns).empty()) << "a rope has no energy of its own";
+  history.columns.push_back({"left.energy.kinetic", "J"});
+  history.value.push_back(history.value[0]);
+  const auto lines = blow_lines(history, columns);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("left.force.y: the peak of -12 N"), std::string::npos) << lines[0];
 }
 
 TEST(HistoryMetrics, MomentIsThatOfACoupleAndDoesNotChangeWhereTheBodyGoes) {

@@ -62,8 +62,8 @@ TEST(WallContact, AFaceOfABodyThatStoodInTheWaterComesAndGoesGradually) {
   const InterfaceMesh body = keel_between_walls(0.003);
   Points place = Points::Zero(3, body.position.cols());
   StepData<3> step(p, body, place, PairData::inverses, {});
-  constexpr double rate = 100;
-  WallContact<3> walls(step.boundary, step.state, l0, rate);
+  constexpr double speed = 0.25;  // 4 v/l0 = 100/s
+  WallContact<3> walls(step.boundary, step.state, l0, speed);
   const auto part_after = [&](double rise, double time) {
     place.row(1).setConstant(rise);
     step.boundary.move(step.state, place, Points::Zero(3, place.cols()), true);
@@ -80,7 +80,7 @@ TEST(WallContact, AFaceOfABodyThatStoodInTheWaterComesAndGoesGradually) {
   EXPECT_FALSE(is_dry());
   EXPECT_NEAR(part_after(0.03, 0.002), 0.6, 1e-12);  // out of it
   EXPECT_TRUE(is_dry());
-  WallContact<3> resumed(step.boundary, step.state, l0, rate);
+  WallContact<3> resumed(step.boundary, step.state, l0, speed);
   resumed.update(step.boundary, step.state, step.near_gradient(), 0.001);
   EXPECT_NEAR(resumed.bare(keel), 0.5, 1e-12);
   EXPECT_EQ(part_after(0.03, 0.02), 0);

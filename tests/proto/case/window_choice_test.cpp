@@ -68,6 +68,17 @@ TEST(WindowChoice, OfSeveralBodiesAnyThatStartsAtRestAndMovesLaterIsKnown) {
   }
 }
 
+// A stream of 10 m/s past a body that is held, and a body that is towed through water at rest.
+TEST(WindowChoice, WaterThatMovesAtTheStartCountsAsTheBody) {
+  const Sets held = {"structure.solver=rigid", "structure.wedge.deadrise=30", "fluid.submerged=true"},
+             stream = with(held, {"fluid.initial_velocity.value=[10,0]"});
+  const double towed = window_with(with(held, {"structure.velocity=[-10,0]"}));
+  EXPECT_EQ(read_with(stream).chosen.speed, 10);
+  EXPECT_EQ(window_with(stream), towed);
+  EXPECT_LT(towed, window_with(held));
+  EXPECT_EQ(read_with(with(stream, {"structure.velocity=[-6,0]"})).chosen.speed, 16);
+}
+
 TEST(WindowChoice, ABodyThatStartsAtRestAndMovesLaterIsKnown) {
   const Sets at_rest = {"structure.solver=rigid", "structure.wedge.deadrise=30"};
   const Sets falls = with(at_rest, {"structure.free.y=true"});
