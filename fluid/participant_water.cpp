@@ -47,7 +47,7 @@ double FluidParticipant<dim>::volume() const {
     constexpr double far = std::numeric_limits<double>::infinity();
     part.low[d] = -own->communicator().max(particles.cols() > 0 ? -particles.row(d).minCoeff() : -far);
   }
-  part.counts = [&](const Vector<dim>& place) { return own->has(place); };
+  part.counts = [&](const Vector<dim>& first, const Vector<dim>& last) { return own->has_all(first, last); };
   const std::int64_t cells = water_cells<dim>(particles, parameters_.spacing, part);
   const bool too_many = own->communicator().any(cells < 0);
   return volume_of_cells<dim>(too_many ? -1 : own->communicator().sum(cells), parameters_.spacing);

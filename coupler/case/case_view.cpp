@@ -5,6 +5,7 @@
 #include "coupler/case/side_programs.hpp"
 #include "coupler/compare/compare_block.hpp"
 #include "coupler/participant/launch.hpp"
+#include "coupler/participant/participant_main.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/case/key_info.hpp"
@@ -16,6 +17,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
 namespace strake {
@@ -100,10 +102,10 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   else
     side.program = find_program(program_name(table, solver), file.folder());
   if (users) return side;  // only the program itself can check its own table
-  std::istringstream lines(ask(side.program, {"--check"}, file.path(), sets, stop, file.body()));
-  for (std::string line; std::getline(lines, line);)
+  std::istringstream answer(ask(side.program, {"--check", "--values"}, file.path(), sets, stop, file.body()));
+  for (std::string line; std::getline(answer, line) && line + "\n" != values_line;)
     if (!line.empty()) side.lines.push_back(line);
-  side.echo = ask(side.program, {"--echo"}, file.path(), sets, stop, file.body());
+  side.echo.assign(std::istreambuf_iterator<char>(answer), {});
   return side;
 }
 

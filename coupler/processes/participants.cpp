@@ -263,6 +263,8 @@ void Participants::State::answered(Member& m, wire::Reply reply) {
       where = with_place(where, m.name, m.place());
     throw Error(code, where, fault->problem, fault->fix);
   }
+  // After two new connections in a short time the second brings the Hello of both.
+  if (m.may_repeat > 0 && std::holds_alternative<wire::Hello>(reply.what)) return;
   const bool awaited = !m.asked.empty() && !m.reply && reply.sequence == m.sequence;
   if (!awaited && reply.sequence > 0 && reply.sequence <= m.may_repeat) return;
   if (m.asked.empty() || m.reply)

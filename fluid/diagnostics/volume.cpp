@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,19 @@ void keep_within(std::span<const Word> row, int reach, std::span<Word> out) {
       all &= ((here << k) | (before >> (bits - k))) & ((here >> k) | (after << (bits - k)));
     out[w] &= all;
   }
+}
+
+/// Returns how many cells [first, last] of a word belong to the part. A stretch without one answer is halved:
+/// a rank asks once for most words, not once for each of their cells.
+template <class Ask>
+std::int64_t count_of_part(Word word, int first, int last, const Ask& counts) {
+  const Word these = (word >> first) & (~Word{0} >> (bits - 1 - (last - first)));
+  if (these == 0) return 0;
+  last = first + static_cast<int>(bits) - 1 - std::countl_zero(these);
+  first += std::countr_zero(these);
+  if (const std::optional<bool> all = counts(first, last)) return *all ? std::popcount(these) : 0;
+  const int middle = (first + last) / 2;
+  return count_of_part(word, first, middle, counts) + count_of_part(word, middle + 1, last, counts);
 }
 
 /// Largest k with k² + square ≤ radius².
@@ -113,13 +127,13 @@ std::int64_t water_cells(const Vectors<dim>& particles, double spacing, const Vo
   cells.bit.assign(static_cast<std::size_t>(cells.words * cells.rows()), 0);
   cover<dim>(particles, h, part.low, first, cells);
 
-  const auto counts = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+  const auto middle_of = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
     Vector<dim> middle;
     const std::array<std::int64_t, 3> cell{x, y, z};
     for (std::size_t d = 0; d < dim; ++d)
       middle[static_cast<Eigen::Index>(d)] = part.low[static_cast<Eigen::Index>(d)] +
                                              h * (static_cast<double>(cell[d] + first[d] - border) + 0.5);
-    return part.counts(middle);
+    return middle;
   };
   const int slabs = dim == 3 ? taken : 0;
   std::int64_t inside = 0;
@@ -141,9 +155,10 @@ std::int64_t water_cells(const Vectors<dim>& particles, double spacing, const Vo
       if (!part.counts)
         for (const Word w : kept) inside += std::popcount(w);
       else
-        for (std::int64_t x = 0; x < cells.size[0]; ++x)
-          inside +=
-              (kept[static_cast<std::size_t>(x / bits)] >> (x % bits) & 1) != 0 && counts(x, j, k) ? 1 : 0;
+        for (std::int64_t w = 0; w < cells.words; ++w)
+          inside += count_of_part(kept[static_cast<std::size_t>(w)], 0, bits - 1, [&](int from, int to) {
+            return part.counts(middle_of(w * bits + from, j, k), middle_of(w * bits + to, j, k));
+          });
     }
   }
   return inside;

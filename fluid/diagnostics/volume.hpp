@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 namespace strake::fluid {
 
@@ -23,8 +24,10 @@ double water_volume(const Vectors<dim>& particles, double spacing);
 /// up to the volume of the whole, to the last bit.
 template <int dim>
 struct VolumePart {
-  Vector<dim> low = Vector<dim>::Zero();                     // lowest place of the whole along each axis [m]
-  std::function<bool(const Vector<dim>&)> counts = nullptr;  // whether a place belongs to the part; null: all
+  Vector<dim> low = Vector<dim>::Zero();  // lowest place of the whole along each axis [m]
+  /// Whether all places between two along x belong to the part, or none does. Nothing: shorter stretches are
+  /// asked for; one place has an answer. Null: all belong to it.
+  std::function<std::optional<bool>(const Vector<dim>& first, const Vector<dim>& last)> counts = nullptr;
 };
 /// Returns the number of cells that are water; −1 where they are too many.
 template <int dim>

@@ -91,6 +91,18 @@ int Buckets<dim>::owner(const Bucket& bucket, const RankBoxes& boxes, int first)
   return boxes.owns(first, at) ? first : boxes.owner(at);
 }
 
+/// A bucket's number grows with x, and the box is convex: the buckets between two of its own are its own,
+/// unless the tank repeats itself there.
+template <int dim>
+std::optional<bool> Buckets<dim>::owns_all(int rank, const Vector<dim>& first, const Vector<dim>& last,
+                                           const RankBoxes& boxes) const {
+  const Bucket from = of(first), to = of(last);
+  if (from == to && (count_[0] == 0 || last[0] - first[0] < size_[0]))
+    return owner(from, boxes, rank) == rank;
+  if (count_[0] == 0 && owns(rank, from, boxes) && owns(rank, to, boxes)) return true;
+  return std::nullopt;
+}
+
 /// Whether the bucket is farther than so many rings from a box of `place`, which six numbers give. Most
 /// buckets of a long wall are. Along a periodic direction none counts as far.
 template <int dim>

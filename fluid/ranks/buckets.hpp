@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,10 @@ class Buckets {
   static bool owns(int rank, const Bucket& bucket, const RankBoxes& boxes) {
     return boxes.owns(rank, place(bucket));
   }
+  /// Whether all places between two along x are of that rank (true), or none is (false). Nothing: it is not
+  /// known without those between; of one place it always is.
+  std::optional<bool> owns_all(int rank, const Vector<dim>& first, const Vector<dim>& last,
+                               const RankBoxes& boxes) const;
   /// Returns the rank whose box has the bucket. first: the rank to look at first.
   static int owner(const Bucket&, const RankBoxes&, int first);
   /// Rings of buckets around the own ones whose water a rank has.

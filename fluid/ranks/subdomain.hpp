@@ -15,6 +15,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -120,8 +121,11 @@ class Subdomain {
 
   /// Whether this rank owns the particle with that local number.
   bool owns(std::int64_t i) const { return division_->owned[static_cast<std::size_t>(i)] != 0; }
-  /// Whether a place is in a bucket of this rank.
-  bool has(const Vector<dim>& place) const { return owner_of(buckets_.of(place)) == communicator_->rank(); }
+  /// Whether the places between two along x are all in buckets of this rank, or all in those of others.
+  /// Nothing: shorter stretches must be asked for.
+  std::optional<bool> has_all(const Vector<dim>& first, const Vector<dim>& last) const {
+    return buckets_.owns_all(communicator_->rank(), first, last, boxes_);
+  }
   /// Whether this rank writes it: it owns it, or all ranks have the same and this is the first one.
   bool shows(std::int64_t i) const {
     return i >= local_water() && is_read() ? communicator_->rank() == 0 : owns(i);

@@ -1,7 +1,9 @@
 """Every `# run` line of a case file is a command that `strake check` accepts; the README's commands exist. In a study file it is
 a command that lists runs, of which `strake check` accepts the last. Of lines of one case that set the same keys one is checked.
 A command of strake on any page has options that its --help knows, and those that it needs."""
+import concurrent.futures
 import functools
+import os
 import pathlib
 import re
 import shlex
@@ -9,7 +11,8 @@ import subprocess
 import sys
 
 root, bin_dir = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-problems, checked, seen = [], 0, set()
+problems, seen = [], set()
+checks = []  # of cases, with the line that each is from; all processors share them
 
 
 def strake(*words):
@@ -17,7 +20,6 @@ def strake(*words):
 
 
 def check(case, line, words):
-    global checked
     for option in ("--tag", "--runs"):
         while option in words:
             at = words.index(option)
@@ -26,10 +28,13 @@ def check(case, line, words):
     if alike in seen:
         return
     seen.add(alike)
+    checks.append((case, line, words))
+
+
+def problem_of(one):
+    case, line, words = one
     result = strake("check", *words)
-    checked += 1
-    if result.returncode != 0:
-        problems.append(f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}")
+    return f"{case.name}: `{line}` exits {result.returncode}:\n{result.stderr}" if result.returncode != 0 else ""
 
 
 def check_study(case, line):
@@ -79,6 +84,8 @@ for case in sorted((root / "cases").rglob("*.toml")):
             check_study(case, line)
         elif words[:2] != ["strake", "report"]:
             problems.append(f"{case.name}: `{line}` is not a strake run, study or report command")
+with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    problems += filter(None, pool.map(problem_of, checks))
 readme = (root / "README.md").read_text(encoding="utf-8")
 for script in re.findall(r"^\s*((?:cases|tests)/\w+\.sh)", readme, re.M):
     if not (root / script).exists():
@@ -86,5 +93,5 @@ for script in re.findall(r"^\s*((?:cases|tests)/\w+\.sh)", readme, re.M):
 for name in re.findall(r"cases/run\.sh (\w+)", readme):
     if not any((root / "cases" / where).exists() for where in (f"{name}.toml", f"{name}/{name}.toml")):
         problems.append(f"README.md runs the case {name}, which does not exist")
-print("\n".join(problems) or f"{checked} run lines accepted by strake check")
+print("\n".join(problems) or f"{len(checks)} run lines accepted by strake check")
 sys.exit(bool(problems))

@@ -58,6 +58,22 @@ def manual_is_found(place):
             expect(("--manual" in result.stdout) == (wanted.name == "README.md"), "manual names its command where it is not built")
 
 
+def programs_are_asked_once(place):
+    """Before a run a program is started once for all that it says of the case: a start of deal.II takes 0.35 s."""
+    programs, starts = place / "bin", place / "starts"
+    programs.mkdir()
+    shutil.copy(BIN / "strake", programs)
+    for name in ("strake-fluid", "strake-structure-rigid"):
+        (programs / name).write_text(f'#!/bin/sh\necho {name} "$1" >> {starts}\nexec {BIN.resolve() / name} "$@"\n')
+        (programs / name).chmod(0o755)
+    case = ["--set", "structure.solver=rigid", "--set", "fluid.spacing=0.02", "--set", "end_time=1e-4"]
+    done = subprocess.run([programs / "strake", "run", CASE, *case, "--runs", place], cwd=place, env=ENV, capture_output=True, text=True, timeout=60)
+    expect(done.returncode == 0, f"a run with programs that count their starts: exit {done.returncode}\n{done.stderr}")
+    for name in ("strake-fluid", "strake-structure-rigid"):
+        asked = [line.split()[1] for line in starts.read_text().splitlines() if line.split()[0] == name]
+        expect(asked == ["--check", "--connect"], f"{name} is started to be asked and to run: {asked}")
+
+
 def check_leaves_nothing(place):
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
@@ -252,6 +268,8 @@ def reference_of_keys():
 
 with folder() as place:
     manual_is_found(pathlib.Path(place).resolve())
+with folder() as place:
+    programs_are_asked_once(pathlib.Path(place).resolve())
 with folder() as place:
     place = pathlib.Path(place)
     help_and_version(place)

@@ -108,7 +108,9 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
     }
     case Mode::check: {
       CaseFile file = load_declared(options, program);
+      const std::string values = options.values ? values_line + file.echo(program.prefix) : "";
       print_check(file, program);
+      fmt::print("{}", values);
       break;
     }
   }

@@ -54,6 +54,7 @@ void add_participant_options(CLI::App& app, ParticipantOptions& options, Partici
   auto* modes = app.add_option_group("modes", "instead of taking part in a run of Strake");
   modes->add_flag("--check", flags.check,
                   "read the case, refuse what a run would refuse, print derived numbers");
+  app.add_flag("--values", flags.values, "with --check: then print what --echo prints");
   modes->add_flag("--properties", flags.properties,
                   "print mass, centre, inertia, frequencies and stable step");
   modes->add_flag("--picture", flags.picture,
@@ -102,6 +103,9 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   }
   if (!flags.hash.empty()) options.case_hash = parse_hash(flags.hash);
   check_precice(options);
+  if (flags.values && !flags.check)
+    throw Error(ExitCode::command_line, "--values", "stands without --check", "--check --values, or --echo");
+  options.values = flags.values;
   using Mode = ParticipantOptions::Mode;
   options.mode = flags.check                    ? Mode::check
                  : flags.properties             ? Mode::properties

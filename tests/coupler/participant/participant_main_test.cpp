@@ -77,6 +77,15 @@ TEST_F(ParticipantMain, CheckPrintsDerivedNumbers) {
   EXPECT_EQ(out_, "f1 dry 699 Hz\n");
 }
 
+// A run asks a program once before it starts, not once for its numbers and once for its values.
+TEST_F(ParticipantMain, ACheckPrintsTheValuesOfTheEchoAsWell) {
+  const std::string path = file("[structure]\nyoung = 1.0\n");
+  EXPECT_EQ(run({"--echo", path}), 0);
+  const std::string echo = out_;
+  EXPECT_EQ(run({"--check", "--values", path}), 0) << err_;
+  EXPECT_EQ(out_, "f1 dry 699 Hz\n" + std::string(values_line) + echo);
+}
+
 TEST_F(ParticipantMain, ChecksRefuseWrongValuesAndUnknownKeysOfTheirPart) {
   EXPECT_EQ(run({"--check", "--case", file("[structure]\nyoung = 0.0\n")}), 3);
   EXPECT_NE(err_.find("case.toml:2:9: structure.young"), std::string::npos) << err_;
@@ -89,6 +98,8 @@ TEST_F(ParticipantMain, AWrongCommandLineExitsWithTwo) {
            {},
            {"--nonsense"},
            {"--check", "--echo"},
+           {"--values"},
+           {"--echo", "--values"},
            {"--check"},
            {"--connect", "ipc:///x", "--name", "structure"},
            {"--participant", "Solid", "--check"},

@@ -74,6 +74,28 @@ TEST_F(Remote, APartThatIsTooLargeIsNamedLongBeforeTheLimitOfAnAnswer) {
             "most 256 MB");
 }
 
+// On a busy machine heartbeats end a connection twice before the participant has spoken.
+TEST_F(Remote, ASecondHelloByANewConnectionIsNoAnswer) {
+  const std::string token = participants().token(), endpoint = participants().endpoint();
+  play(
+      [&](Script& s) {
+        s.join(token);
+        s.hear<wire::Advance>();
+        s.leave();
+        Script again(endpoint, "fluid");
+        const wire::Hello hello{wire::protocol, "fluid", raw(token), "script", "1", std::string(32, '\0')};
+        again.say(s.sequence(), hello);
+        again.say(s.sequence(), hello);
+        again.say(s.sequence(), force(1));
+        while (!over_) std::this_thread::sleep_for(milliseconds(1));
+      },
+      [&] {
+        RemoteParticipant& fluid = participants().connect("fluid", {});
+        EXPECT_NO_THROW(EXPECT_EQ(fluid.advance({0.5, 0.25}, {}).output.at(0).value(0, 0), 1));
+      });
+  EXPECT_NE(said_.find("is back after"), std::string::npos) << said_;
+}
+
 TEST_F(Remote, AStaleAnswerIsNamed) {
   const Error e = error_of([](Script& s) { s.say(s.sequence() - 1, force(1)); });
   EXPECT_EQ(e.code(), ExitCode::participant_lost);

@@ -134,30 +134,39 @@ TEST(WaterAccount, falling_water_turns_its_potential_into_kinetic_energy) {
   EXPECT_NEAR(end.largest_speed, 0.981, 1e-12);
 }
 
-/// Scattered water in parts along x, each with what is within 2 l0 of it.
+/// Scattered water in parts along x, each with what is within 2 l0 of it. Returns how often a part was asked
+/// for each cell.
 template <int dim>
-void expect_parts_add_up(const std::array<int, 3>& n) {
+double expect_parts_add_up(const std::array<int, 3>& n) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> scatter(-0.4 * l0, 0.4 * l0);
   Vectors<dim> points = box<dim>(n, l0);
   for (double& at : points.reshaped()) at += scatter(random);
-  std::int64_t cells = 0;
-  for (const auto& [from, to] : {std::pair{-1.0, 3.3 * l0}, {3.3 * l0, 4.05 * l0}, {4.05 * l0, 1.0}}) {
+  std::int64_t cells = 0, asked = 0;
+  for (const auto& [from, to] : {std::pair{-1.0, 3.3 * l0}, {3.3 * l0, 4.05 * l0}, {4.05 * l0, 100.0}}) {
     std::vector<Eigen::Index> near;
     for (Eigen::Index k = 0; k < points.cols(); ++k)
       if (points(0, k) > from - 2.01 * l0 && points(0, k) < to + 2.01 * l0) near.push_back(k);
     VolumePart<dim> part;
     part.low = points.rowwise().minCoeff();
-    part.counts = [from = from, to = to](const Vector<dim>& x) { return x[0] >= from && x[0] < to; };
+    part.counts = [&, from = from, to = to](const Vector<dim>& first,
+                                            const Vector<dim>& last) -> std::optional<bool> {
+      ++asked;
+      const bool begins = first[0] >= from && first[0] < to, ends = last[0] >= from && last[0] < to;
+      if (begins == ends && (begins || last[0] < from || first[0] >= to)) return begins;
+      return std::nullopt;
+    };
     const std::int64_t own = water_cells<dim>(Vectors<dim>(points(Eigen::all, near)), l0, part);
     EXPECT_GT(own, 0);
     cells += own;
   }
   EXPECT_EQ(volume_of_cells<dim>(cells, l0), water_volume<dim>(points, l0));
+  return static_cast<double>(asked) / static_cast<double>(cells);
 }
 
 TEST(WaterVolume, the_parts_of_ranks_add_up_to_the_last_cell) {
   expect_parts_add_up<2>({19, 11, 1});
+  EXPECT_LT(expect_parts_add_up<2>({200, 5, 1}), 0.125) << "stretches are asked for, not cells";
   expect_parts_add_up<3>({12, 7, 6});
   EXPECT_TRUE(std::isnan(volume_of_cells<2>(-1, l0)));
 }

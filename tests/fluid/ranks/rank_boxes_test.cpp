@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -132,6 +133,34 @@ TEST(RankBoxes, ABucketIsWantedByTheRanksAround) {
   wanting.clear();
   buckets.find_wanting({5, 5, 5}, boxes, 0, wanting);
   EXPECT_TRUE(wanting.empty());
+}
+
+// What a stretch along x is said to be, all its places are, also where the tank repeats itself along x.
+TEST(RankBoxes, TheAnswerForAStretchIsThatOfItsPlaces) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> anywhere(-2, 102), length(0, 30);
+  for (const double period : {0.0, 2.3, 100.0}) {
+    RankBoxes boxes;
+    boxes.assign(cut_space(12, 3, random));
+    const Buckets<3> buckets(1, Periodic<3>(Vector<3>(period, 0, 0)), Vector<3>::Zero());
+    int known = 0, own = 0;
+    for (int k = 0; k < 4000; ++k) {
+      const int rank = k % 12;
+      const Vector<3> first(anywhere(random), anywhere(random), anywhere(random));
+      const Vector<3> last = first + Vector<3>(k % 3 == 0 ? 0 : length(random), 0, 0);
+      const std::optional<bool> all = buckets.owns_all(rank, first, last, boxes);
+      EXPECT_TRUE(all.has_value() || k % 3 != 0) << "of one place there is an answer";
+      if (!all) continue;
+      ++known;
+      own += *all ? 1 : 0;
+      for (double x = first[0]; x <= last[0]; x += 0.1) {
+        const Bucket bucket = buckets.of({x, first[1], first[2]});
+        EXPECT_EQ(Buckets<3>::owner(bucket, boxes, rank) == rank, *all) << k << " at " << x;
+      }
+    }
+    EXPECT_GT(known, 1000);
+    EXPECT_GT(own, 20);
+  }
 }
 
 }  // namespace

@@ -134,8 +134,17 @@ TEST(Ranks, AKeelInSpaceIsThatOfOneRankToTheLastBit) {
                .speed = 5,
                .dt = 1e-4};
   flow.p.sound_speed = 1500;
+#ifdef STRAKE_SANITIZED  // a third of the work, with which the keel is in the water as well
+  flow.steps = 30;
+  const State<3> end = expect_same(flow, {2});
+#else
   flow.steps = 60;
-  expect_same(flow, {2, 4});
+  const State<3> end = expect_same(flow, {2, 4});
+#endif
+  int wet = 0;
+  for (std::size_t i = 0; i < end.kind.size(); ++i)
+    wet += end.kind[i] == Kind::interface && end.surface[i] == 0 ? 1 : 0;
+  EXPECT_GT(wet, 10) << "faces of the keel";
 }
 
 /// Water in the plane that gravity drives along a floor without slip, with the k model.
