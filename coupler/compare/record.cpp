@@ -57,9 +57,13 @@ std::optional<double> contact_of(const fs::path& run) {
   return earliest;
 }
 
-/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it.
+/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it, or is
+/// an account that one of several bodies keeps.
 bool tells_of_place(const std::string& column) {
-  return column.starts_with("body.") || column.starts_with("support.");
+  const auto dot = column.find('.');
+  const std::string own = dot == std::string::npos ? "" : column.substr(dot + 1);  // of one of several bodies
+  return column.starts_with("body.") || column.starts_with("support.") || own.starts_with("body.") ||
+         own.starts_with("support.") || own.starts_with("energy.") || own.starts_with("failure.");
 }
 
 /// A peak of summary.json: value and time, where both are numbers.
@@ -206,7 +210,10 @@ Record RecordSource::record(const std::string& quantity) const {
                 fmt::format("{} has {} values over time", column, record.curve.size()),
                 "a comparison takes two rows at least: let the run go further, or choose another column");
   if (!is_run_) return record;
-  if (const auto means = table_.find(column + ".mean")) record.means = curve(*means);
+  if (const auto means = table_.find(column + ".mean"))
+    record.means = curve(*means);
+  else if (is_load(column))
+    record.means = record.curve;  // a row has the mean of its window
   if (table_.find(column + ".min") && table_.find(column + ".max"))
     record.extremes = largest_of(record.curve, curve(index_of(table_, column + ".min")),
                                  curve(index_of(table_, column + ".max")));

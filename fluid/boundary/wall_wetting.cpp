@@ -22,7 +22,7 @@ constexpr double covering_distance = 0.1;
 constexpr int face_places = 37, face_turn = 6;
 /// A body farther off covers all of a face or nothing [l0]: more than half the diagonal of the square.
 constexpr double half_diagonal = 0.75;
-/// How fast a face of a body that stood in the water comes or goes, of v/l0 (F91). Chosen; 1 does the same.
+/// How fast a face of a body that stood in the water comes or goes, of v/l0 (F91). Chosen; 1: about the same.
 constexpr double fading_rate = 4;
 /// A corner becomes wet when water is nearer to it than √2 l0 and this margin [l0]. It has no face: √2 l0 is
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that

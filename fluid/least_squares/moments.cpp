@@ -98,6 +98,8 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
     for (std::int64_t i = 0; i < water; ++i)
       if (ranks_.owns(i)) add_images(far, i);
   }
+  // Water that comes under the surface is no film at once (F69).
+  if (p_.submerged) film_.share.array() *= surface_.share.array();
   ranks_.update(film_.share);
   if (p_.submerged) find_depth(boundary, far);
   list_films(boundary, state, far);
@@ -308,9 +310,7 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
       (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {
     leave_out_past_faces(boundary, state, far, i, sums);
     const double depth = fit_surface(i, sums);
-    // With the surface share as a factor φ does not begin at once, where water came under the surface.
-    const float counted = p_.submerged ? surface_.share[i] : 1.0F;
-    film_.share[i] = surface_.share[i] > 0 ? counted * static_cast<float>(film_share<dim>(sums.b)) : 0.0F;
+    film_.share[i] = surface_.share[i] > 0 ? static_cast<float>(film_share<dim>(sums.b)) : 0.0F;
     state.surface[k] = depth >= 0 && depth < tuned.shown_depth * p_.spacing ? 1 : 0;
     return;
   }
