@@ -1,7 +1,7 @@
 #include "fluid/geometry/body_surface_2d.hpp"
 
+#include "fluid/geometry/outline.hpp"
 #include "proto/error.hpp"
-#include "proto/geometry/corner.hpp"
 #include "proto/geometry/polygon.hpp"
 
 #include <fmt/format.h>
@@ -27,37 +27,12 @@ Vector2 right_of(const Vector2& t) {
   return {t.y(), -t.x()};
 }
 
-/// Returns the closed chains of segments, as lists of point indices.
-std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
-  const auto n = static_cast<std::size_t>(partner.position.cols());
-  std::vector<int> next(n, -1);
-  std::vector<char> entered(n, 0);
-  for (Eigen::Index f = 0; f < partner.faces.cols(); ++f) {
-    const int a = partner.faces(0, f), b = partner.faces(1, f);
-    if (next[static_cast<std::size_t>(a)] >= 0 || entered[static_cast<std::size_t>(b)])
-      throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
-                  fmt::format("more than two faces meet at point {} or {}", a, b),
-                  "give the wet surface as closed chains of segments, each walked counter-clockwise");
-    next[static_cast<std::size_t>(a)] = b;
-    entered[static_cast<std::size_t>(b)] = 1;
-  }
-  std::vector<std::vector<int>> loops;
-  for (std::size_t p = 0; p < n; ++p) {
-    if (next[p] < 0) continue;
-    std::vector<int> loop;
-    for (int at = static_cast<int>(p); next[static_cast<std::size_t>(at)] >= 0;) {
-      loop.push_back(at);
-      const int to = next[static_cast<std::size_t>(at)];
-      next[static_cast<std::size_t>(at)] = -1;
-      at = to;
-      if (at != static_cast<int>(p) && next[static_cast<std::size_t>(at)] < 0)
-        throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
-                    fmt::format("the wet surface ends at point {} instead of closing", at),
-                    "the fluid needs to know inside from outside: close the outline");
-    }
-    loops.push_back(std::move(loop));
-  }
-  return loops;
+/// Returns the place where two stretches meet: the mean of both extrapolations. One of a single point has no
+/// direction, so its extrapolation does not count.
+Vector2 joined(const Vector2& before, int count_before, const Vector2& behind, int count_behind) {
+  const double mine = count_before > 1 || count_behind == 1 ? 1.0 : 0.0,
+               theirs = count_behind > 1 || count_before == 1 ? 1.0 : 0.0;
+  return (mine * before + theirs * behind) / (mine + theirs);
 }
 
 }  // namespace
@@ -76,7 +51,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_edges(partner, loop, spacing);
+    add_edges(Outline(partner, loop), spacing);
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);
@@ -86,58 +61,41 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
   move(Vectors2::Zero(2, m), Vectors2::Zero(2, m));
 }
 
-void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing) {
-  const std::size_t n = loop.size();
-  const auto at = [&](std::size_t k) -> Vector2 { return partner.position.col(loop[k % n]).head<2>(); };
-  std::vector<double> angle(n);
-  for (std::size_t k = 0; k < n; ++k) angle[k] = turn(at(k) - at(k + n - 1), at(k + 1) - at(k));
+/// Divides an outline into edges between its corners.
+void BodySurface2d::add_edges(const Outline& outline, double spacing) {
+  const std::size_t n = outline.size();
   std::vector<std::size_t> corners;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double beside = std::max(std::abs(angle[(k + n - 1) % n]), std::abs(angle[(k + 1) % n]));
-    if (is_corner(std::abs(angle[k]), beside)) corners.push_back(k);
-  }
+  for (std::size_t k = 0; k < n; ++k)
+    if (outline.bend[k] == Bend::corner) corners.push_back(k);
   const bool closed = corners.empty();
-  if (closed) corners.push_back(0);
-
+  if (closed) {  // from a knuckle, which must end a stretch
+    const auto first = std::ranges::find(outline.bend, Bend::knuckle);
+    corners.push_back(first == outline.bend.end() ? 0
+                                                  : static_cast<std::size_t>(first - outline.bend.begin()));
+  }
   const std::size_t first_edge = edges_.size();
-  std::vector<Eigen::Vector2i> faces;
   const int first_point = points();
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    const std::size_t begin = corners[c];
-    const std::size_t end = c + 1 < corners.size() ? corners[c + 1] : corners[0] + n;
-    std::vector<double> length{0};  // along the edge, at each of its points [m]
+    const std::size_t begin = corners[c], end = c + 1 < corners.size() ? corners[c + 1] : corners[0] + n;
     Edge edge;
-    for (std::size_t k = begin; k < end; ++k) {
-      length.push_back(length.back() + (at(k + 1) - at(k)).norm());
-      edge.curved = edge.curved || (k > begin && std::abs(angle[k % n]) > flat_angle);
-    }
     edge.first = points();
-    edge.count = std::max(1, static_cast<int>(std::lround(length.back() / spacing)));
-    if (closed) edge.count = std::max(3, edge.count);
     edge.vertex = edge.first + static_cast<int>(edges_.size());
     edge.closed = closed;
+    double turned = 0;
+    for (std::size_t k = begin + 1; k < end; ++k) {
+      const bool bends = std::abs(outline.turn[k % n]) > flat_angle;
+      edge.curved = edge.curved || (bends && outline.bend[k % n] == Bend::smooth);
+      turned += outline.bend[k % n] == Bend::knuckle ? corner_angle : std::abs(outline.turn[k % n]);
+    }
+    edge.plane = !closed && turned < corner_angle;
     if (!closed) {
-      edge.start_angle = std::numbers::pi - angle[begin];
-      edge.end_angle = std::numbers::pi - angle[end % n];
-      const auto down = [&](std::size_t k) {  // the normal of a piece is (t.y, −t.x)
-        return (at(k + 1) - at(k)).normalized().x();
-      };
+      edge.start_angle = std::numbers::pi - outline.turn[begin];
+      edge.end_angle = std::numbers::pi - outline.turn[end % n];
+      const auto down = [&](std::size_t k) { return -outline.normal(k).y(); };
       edge.start_sharp = is_sharp_corner(edge.start_angle, down(begin + n - 1), down(begin));
       edge.end_sharp = is_sharp_corner(edge.end_angle, down(end + n - 1), down(end));
     }
-    edge.piece = length.back() / edge.count;
-    reference_.conservativeResize(2, edge.first + edge.count);
-    half_piece_.conservativeResize(2, edge.first + edge.count);
-    for (int i = 0; i < edge.count; ++i) {
-      const double s = (i + 0.5) * edge.piece;
-      const auto piece = static_cast<std::size_t>(std::upper_bound(length.begin() + 1, length.end() - 1, s) -
-                                                  length.begin() - 1);
-      const Vector2 a = at(begin + piece), b = at(begin + piece + 1);
-      const double share = (s - length[piece]) / (length[piece + 1] - length[piece]);
-      reference_.col(edge.first + i) = a + share * (b - a);
-      half_piece_.col(edge.first + i) = 0.5 * edge.piece * (b - a).normalized();
-      edge_of_.push_back(static_cast<int>(edges_.size()));
-    }
+    add_pieces(outline, begin, end, spacing, edge);
     edges_.push_back(edge);
   }
   connect(first_edge);
@@ -145,6 +103,41 @@ void BodySurface2d::add_edges(const InterfaceMesh& partner, const std::vector<in
   const auto old = mesh_.faces.cols();
   mesh_.faces.conservativeResize(2, old + m);
   for (int k = 0; k < m; ++k) mesh_.faces.col(old + k) << first_point + k, first_point + (k + 1) % m;
+}
+
+/// Divides an edge, from point `begin` of the outline to point `end`, into stretches between knuckles, and
+/// each stretch into equal pieces of about a spacing with a wet point in the middle.
+void BodySurface2d::add_pieces(const Outline& outline, std::size_t begin, std::size_t end, double spacing,
+                               Edge& edge) {
+  std::vector<double> length{0}, stop{0};  // along the edge: at each of its points; where stretches end [m]
+  for (std::size_t k = begin; k < end; ++k) {
+    if (k > begin && outline.bend[k % outline.size()] == Bend::knuckle) stop.push_back(length.back());
+    length.push_back(length.back() + (outline.at(k + 1) - outline.at(k)).norm());
+  }
+  stop.push_back(length.back());
+  const int least = edge.closed && stop.size() == 2 ? 3 : 1;
+  for (std::size_t c = 0; c + 1 < stop.size(); ++c) {
+    const double whole = stop[c + 1] - stop[c];
+    const int count = std::max(least, static_cast<int>(std::lround(whole / spacing)));
+    const double piece = whole / count;
+    const Eigen::Index first = edge.first + edge.count;
+    reference_.conservativeResize(2, first + count);
+    half_piece_.conservativeResize(2, first + count);
+    for (int i = 0; i < count; ++i) {
+      const double s = stop[c] + (i + 0.5) * piece;
+      const auto segment = static_cast<std::size_t>(
+          std::upper_bound(length.begin() + 1, length.end() - 1, s) - length.begin() - 1);
+      const Vector2 a = outline.at(begin + segment), b = outline.at(begin + segment + 1);
+      const double share = (s - length[segment]) / (length[segment + 1] - length[segment]);
+      reference_.col(first + i) = a + share * (b - a);
+      half_piece_.col(first + i) = 0.5 * piece * (b - a).normalized();
+      edge_of_.push_back(static_cast<int>(edges_.size()));
+    }
+    edge.stretch.push_back(edge.count);
+    edge.count += count;
+  }
+  edge.stretch.push_back(edge.count);
+  edge.piece = length.back() / edge.count;
 }
 
 void BodySurface2d::connect(std::size_t first_edge) {
@@ -165,43 +158,54 @@ void BodySurface2d::connect(std::size_t first_edge) {
   }
 }
 
+/// Places the vertices of an edge, from its wet points: half-way between two of them, and on an end of a
+/// stretch by extrapolation. A knuckle is the mean of both extrapolations.
+void BodySurface2d::place_vertices(const Edge& edge, const Vectors2& from, Vectors2& to, bool is_position) {
+  const auto half = [&](int a) {
+    return is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
+  };
+  Vector2 before = Vector2::Zero();
+  int count_before = 0;
+  for (std::size_t c = 0; c + 1 < edge.stretch.size(); ++c) {
+    const int begin = edge.stretch[c], end = edge.stretch[c + 1], count = end - begin;
+    for (int i = begin + 1; i < end; ++i)
+      to.col(edge.vertex + i) = 0.5 * (from.col(edge.first + i - 1) + from.col(edge.first + i));
+    const int a = edge.first + begin, b = edge.first + end - 1;
+    Vector2 start = from.col(a) - half(a), stop = from.col(a) + half(a);
+    if (count > 1) {
+      start = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
+      stop = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
+    }
+    to.col(edge.vertex + begin) = c == 0 ? start : joined(before, count_before, start, count);
+    to.col(edge.vertex + end) = before = stop;
+    count_before = count;
+  }
+  if (!edge.closed) return;
+  const int a = edge.first, b = edge.first + edge.count - 1, last = edge.vertex + edge.count;
+  if (edge.stretch.size() == 2)
+    to.col(edge.vertex) = 0.5 * (from.col(a) + from.col(b));
+  else
+    to.col(edge.vertex) = joined(before, count_before, to.col(edge.vertex), edge.stretch[1]);
+  to.col(last) = to.col(edge.vertex);
+}
+
 void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity) {
   point_ = reference_ + displacement;
   velocity_ = velocity;
   const auto vertices = static_cast<Eigen::Index>(points()) + static_cast<Eigen::Index>(edges_.size());
   vertex_.resize(2, vertices);
   vertex_velocity_.resize(2, vertices);
-  const auto set = [this](const Edge& edge, const Vectors2& from, Vectors2& to, bool is_position) {
-    for (int i = 1; i < edge.count; ++i)
-      to.col(edge.vertex + i) = 0.5 * (from.col(edge.first + i - 1) + from.col(edge.first + i));
-    const int a = edge.first, b = edge.first + edge.count - 1;
-    if (edge.closed) {
-      to.col(edge.vertex) = to.col(edge.vertex + edge.count) = 0.5 * (from.col(a) + from.col(b));
-    } else if (edge.count > 1) {
-      to.col(edge.vertex) = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
-      to.col(edge.vertex + edge.count) = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
-    } else {
-      const Vector2 half = is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
-      to.col(edge.vertex) = from.col(a) - half;
-      to.col(edge.vertex + 1) = from.col(a) + half;
-    }
-  };
   for (const Edge& edge : edges_) {
-    set(edge, point_, vertex_, true);
-    set(edge, velocity_, vertex_velocity_, false);
+    place_vertices(edge, point_, vertex_, true);
+    place_vertices(edge, velocity_, vertex_velocity_, false);
   }
-  // The corner between two edges is the mean of both extrapolations. An edge of one point has no direction,
-  // so its extrapolation does not count.
   for (const Edge& edge : edges_) {
     if (edge.closed) continue;
     const Edge& next = edges_[static_cast<std::size_t>(edge.next)];
-    const int end = edge.vertex + edge.count;
-    const double mine = edge.count > 1 || next.count == 1 ? 1.0 : 0.0;
-    const double theirs = next.count > 1 || edge.count == 1 ? 1.0 : 0.0;
-    for (Vectors2* values : {&vertex_, &vertex_velocity_}) {
-      const Vector2 corner = (mine * values->col(end) + theirs * values->col(next.vertex)) / (mine + theirs);
-      values->col(end) = values->col(next.vertex) = corner;
-    }
+    const int end = edge.vertex + edge.count, mine = edge.count - edge.stretch[edge.stretch.size() - 2];
+    for (Vectors2* values : {&vertex_, &vertex_velocity_})
+      values->col(end) = values->col(next.vertex) =
+          joined(values->col(end), mine, values->col(next.vertex), next.stretch[1]);
   }
   ends_.resize(edges_.size());
   for (std::size_t r = 0; r < edges_.size(); ++r)
@@ -211,6 +215,7 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm()};
     }
   meet_at_bisectors();
+  find_even_edges();
   run_low_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   run_high_.resize(2, static_cast<Eigen::Index>(edges_.size()));
   for (std::size_t r = 0; r < edges_.size(); ++r) {
@@ -236,6 +241,21 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
   }
 }
 
+/// Finds the edges whose vertices follow one another evenly along the chord: vertex i within half a piece of
+/// i/count of it.
+void BodySurface2d::find_even_edges() {
+  is_even_.assign(edges_.size(), 0);
+  for (std::size_t r = 0; r < edges_.size(); ++r) {
+    const Edge& edge = edges_[r];
+    const Vector2 origin = vertex_.col(edge.vertex), chord = vertex_.col(edge.vertex + edge.count) - origin;
+    const double piece = chord.squaredNorm() / edge.count;
+    bool even = !edge.closed && edge.count > 4 && piece > 0;
+    for (int i = 1; even && i < edge.count; ++i)
+      even = std::abs((vertex_.col(edge.vertex + i) - origin).dot(chord) / piece - i) <= 0.5;
+    is_even_[r] = even ? 1 : 0;
+  }
+}
+
 /// Lets the faces of a corner that is not sharp end at its bisector. Water before such a corner lies
 /// past both faces, and must have one of them (F85): with t = i − i', i and i' the directions from the corner
 /// along the face and along the other one,
@@ -255,28 +275,32 @@ void BodySurface2d::meet_at_bisectors() {
     }
 }
 
+/// Returns the pieces of an edge that the segment a–b may cross: the first one, and the one behind the last.
+/// The chord of an even edge orders them. Of a bent one all count.
+std::pair<int, int> BodySurface2d::pieces_beside(int r, const Vector2& a, const Vector2& b) const {
+  const Edge& edge = edges_[static_cast<std::size_t>(r)];
+  if (!is_even_[static_cast<std::size_t>(r)]) return {0, edge.count};
+  const Vector2 origin = vertex_.col(edge.vertex);
+  const Vector2 chord = vertex_.col(edge.vertex + edge.count) - origin;
+  const double chord2 = chord.squaredNorm(), last = edge.count;
+  const double sa = (a - origin).dot(chord) / chord2 * edge.count;
+  const double sb = (b - origin).dot(chord) / chord2 * edge.count;
+  return {static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last)),
+          static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last))};
+}
+
 bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners corners) const {
   if (std::max(a.x(), b.x()) < run_low_(0, r) || std::min(a.x(), b.x()) > run_high_(0, r) ||
       std::max(a.y(), b.y()) < run_low_(1, r) || std::min(a.y(), b.y()) > run_high_(1, r))
     return false;
   const Edge& edge = edges_[static_cast<std::size_t>(r)];
-  const Vector2 d = b - a;
-  int begin = 0, end = edge.count;
-  // Only the pieces beside the pair are tested. The chord of an open edge orders them.
-  const Vector2 origin = vertex_.col(edge.vertex);
-  const Vector2 chord = vertex_.col(edge.vertex + edge.count) - origin;
-  const double chord2 = chord.squaredNorm();
-  if (!edge.closed && edge.count > 4 && chord2 > 0) {
-    const double sa = (a - origin).dot(chord) / chord2 * edge.count;
-    const double sb = (b - origin).dot(chord) / chord2 * edge.count;
-    const double last = edge.count;
-    begin = static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last));
-    end = static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last));
-  }
+  auto [begin, end] = pieces_beside(r, a, b);
   if (corners == Corners::without_tips && !edge.closed) {
     if (edge.start_angle < sharp_angle) begin = std::max(begin, 1);
     if (edge.end_angle < sharp_angle) end = std::min(end, edge.count - 1);
   }
+  const bool owned = corners == Corners::owned && !edge.closed;
+  const Vector2 d = b - a;
   for (int i = begin; i < end; ++i) {
     const Vector2 v = vertex_.col(edge.vertex + i);
     const Vector2 e = vertex_.col(edge.vertex + i + 1) - v;
@@ -286,7 +310,6 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners c
     const double t = cross(to_start, e) / det;  // along the pair
     if (t < 0 || t > 1) continue;
     const double s = cross(to_start, d) / det;  // along the piece
-    const bool owned = corners == Corners::owned && !edge.closed;
     const bool from_corner = owned && i == 0 && !edge.owns_start;
     const bool to_corner = owned && i == edge.count - 1 && !edge.owns_end;
     if (s >= (from_corner ? tie : -tie) && s <= (to_corner ? 1 - tie : 1 + tie)) return true;
@@ -330,7 +353,7 @@ bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
 
 bool BodySurface2d::is_between_sharp_corners(int edge) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
-  return r.start_sharp && r.end_sharp;
+  return r.start_sharp && r.end_sharp && r.plane;
 }
 
 BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fluid/geometry/outline.hpp"
 #include "proto/interface.hpp"
 
 #include <Eigen/Core>
@@ -9,15 +10,15 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace strake::fluid {
 
-/// The wetted surface of plane bodies: straight or smooth edges between corners. A corner is a turn of more
-/// than 20 degrees, or a smaller one that is alone, as where two straight faces meet. Each edge is divided
-/// evenly into pieces of about one particle spacing, with a wet point in the middle of each. The motion is
-/// given on the wet points. Corners follow from the points beside them, so that a rigid motion is followed
-/// exactly.
+/// The wetted surface of plane bodies: straight or smooth edges between corners (`Bend`). Within an edge a
+/// knuckle divides two stretches, so that it stays where it is. Each stretch is divided evenly into pieces of
+/// about one particle spacing, with a wet point in the middle of each. The motion is given on the wet points.
+/// Corners follow from the points beside them, so that a rigid motion is followed exactly.
 ///
 /// The order is counter-clockwise; the normal points into the fluid.
 class BodySurface2d {
@@ -28,9 +29,11 @@ class BodySurface2d {
   /// One edge: wet points first … first+count−1, vertices vertex … vertex+count.
   struct Edge {
     int first = 0, count = 0, vertex = 0;
+    std::vector<int> stretch;                 // pieces that begin a stretch between knuckles; count
     int previous = 0, next = 0;               // neighbours around the body
     bool closed = false;                      // smooth body without corners
-    bool curved = false;                      // not straight in the reference
+    bool curved = false;                      // it bends smoothly in the reference
+    bool plane = false;                       // no knuckles, and it turns by less than 20 degrees in all
     bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one edge only
     double piece = 0;                         // reference length of a piece [m]
     // Angle inside the body at its corners [rad], in the reference; π where it has none.
@@ -111,9 +114,13 @@ class BodySurface2d {
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
   bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
-  void add_edges(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing);
+  void add_edges(const Outline&, double spacing);
+  void add_pieces(const Outline&, std::size_t begin, std::size_t end, double spacing, Edge&);
   void connect(std::size_t first_edge);
+  void place_vertices(const Edge&, const Vectors2& from, Vectors2& to, bool is_position);
   void meet_at_bisectors();
+  void find_even_edges();
+  std::pair<int, int> pieces_beside(int edge, const Vector2& a, const Vector2& b) const;
 
   InterfaceMesh mesh_;
   std::vector<Edge> edges_;
@@ -124,6 +131,7 @@ class BodySurface2d {
   Vectors2 vertex_, vertex_velocity_;
   Eigen::VectorXd area_;
   std::vector<std::array<Ending, 2>> ends_;  // of each edge: start, end
+  std::vector<std::uint8_t> is_even_;
   Vectors2 run_low_, run_high_;
   Vector2 low_ = Vector2::Zero(), high_ = Vector2::Zero();
 };

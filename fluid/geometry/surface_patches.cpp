@@ -109,7 +109,7 @@ void measure_turns(const InterfaceMesh& mesh, const std::vector<Vector3>& area, 
 }
 
 /// Marks the edges that are corners; returns the sets of triangles that no corner divides.
-Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
+Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, std::size_t triangles) {
   // Edges between triangles of one plane join them to a flat face. Other edges below the corner angle are
   // bends.
   Sets flat(triangles);
@@ -136,7 +136,8 @@ Sets mark_corners(std::vector<Edge>& edges, std::size_t triangles) {
       if (face != j) other = std::max(other, turn);
     for (const auto& [face, turn] : beside[j])
       if (face != i) other = std::max(other, turn);
-    edge.corner = is_corner(std::abs(edge.turn), other);
+    const auto normal = [&](int t) { return area[static_cast<std::size_t>(t)].normalized(); };
+    edge.corner = bend_of(std::abs(edge.turn), other, normal(edge.left), normal(edge.right)) == Bend::corner;
     if (!edge.corner) smooth.join(edge.left, edge.right);
   }
   return smooth;
@@ -167,7 +168,7 @@ SurfacePatches find_patches(const InterfaceMesh& mesh) {
   const std::vector<Vector3> area = areas_of(mesh);
   const std::size_t triangles = area.size();
   measure_turns(mesh, area, edges);
-  Sets smooth = mark_corners(edges, triangles);
+  Sets smooth = mark_corners(edges, area, triangles);
 
   SurfacePatches patches;
   patches.of_triangle.resize(triangles);

@@ -1,16 +1,19 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <numbers>
 
 // Where the surface of a body or a tank has a corner (in the plane) or an edge (in space).
 
 namespace strake {
 
-/// A turn sharper than this makes a corner; a surface of many smaller turns is smooth.
+/// A turn sharper than this stands out; a surface of many smaller turns is smooth.
 inline constexpr double corner_angle = 0.35;  // [rad], 20 degrees
 /// So does a smaller turn that stands alone: a smooth surface turns about as much beside it.
 inline constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
+/// Sharpest turn of a knuckle. Chosen; with 75 degrees the force behind a chine is 5 % lower.
+inline constexpr double knuckle_angle = 0.7;  // [rad], 40 degrees
 
 /// Largest angle inside a body at which water leaves its corner: that of plates and boxes, with room for
 /// round-off.
@@ -26,9 +29,25 @@ inline bool is_sharp_corner(double angle, double down, double other_down) {
   return angle < right_angle && std::min(down, other_down) <= keel_lean;
 }
 
-/// Whether a turn makes a corner; `beside` is the largest turn next to it [rad, both positive].
-inline bool is_corner(double turn, double beside) {
+/// Whether a turn stands out of the surface; `beside` is the largest turn next to it that is no corner
+/// [rad, both positive].
+inline bool stands_out(double turn, double beside) {
   return turn > corner_angle || (turn > lone_angle && beside < lone_share * turn);
+}
+
+/// What a turn of a surface is. The two faces of a corner end there. Those of a knuckle are one face that
+/// turns at once: water follows it.
+enum class Bend : std::uint8_t { smooth, knuckle, corner };
+
+/// Returns what a turn is [rad, positive]. before, behind: the unit normals of its two faces, y up. A turn of
+/// at most 40 degrees is a knuckle, unless it is a keel: both faces look down, and to opposite sides by more
+/// than half a degree.
+template <class Normal>
+Bend bend_of(double turn, double beside, const Normal& before, const Normal& behind) {
+  if (!stands_out(turn, beside)) return Bend::smooth;
+  const double sides = before.dot(behind) - before.y() * behind.y();
+  const bool is_keel = sides < -1e-4 && before.y() < 0 && behind.y() < 0;
+  return turn > knuckle_angle || is_keel ? Bend::corner : Bend::knuckle;
 }
 
 }  // namespace strake

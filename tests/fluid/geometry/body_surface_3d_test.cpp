@@ -248,21 +248,24 @@ TEST(BodySurface3d, EdgesOfAPrismAreSharpWhereTheCornersOfItsSectionAre) {
       for (auto& x : corner) x = Eigen::Rotation2Dd(heel * std::numbers::pi / 180) * x;
       const BodySurface2d section(structure::outline(corner, l0), l0);
       const BodySurface3d body = prism(corner);
-      for (const BodySurface2d::Edge& edge : section.edges()) {
-        const Eigen::Vector2d start = section.vertex(edge.vertex),
-                              end = section.vertex(edge.vertex + edge.count), middle = 0.5 * (start + end);
-        const Eigen::Vector2d n = section.normal(edge.first);
-        const Vector3d normal(n.x(), n.y(), 0);
-        for (const auto& [at, sharp, angle] : {std::tuple(start, edge.start_sharp, edge.start_angle),
-                                               std::tuple(end, edge.end_sharp, edge.end_angle)}) {
+      for (int e = 0; e < static_cast<int>(section.edges().size()); ++e) {
+        const BodySurface2d::Edge& edge = section.edges()[static_cast<std::size_t>(e)];
+        for (const bool last : {false, true}) {
+          const int vertex = edge.vertex + (last ? edge.count : 0),
+                    point = edge.first + (last ? edge.count - 1 : 0);
+          const bool sharp = last ? edge.end_sharp : edge.start_sharp;
+          const Eigen::Vector2d at = section.vertex(vertex), middle = section.point(point),
+                                n = section.normal(point);
+          const Vector3d normal(n.x(), n.y(), 0);
           const Eigen::Vector2d x = at + 0.3 * l0 * ((middle - at).normalized() + n);
           EXPECT_EQ(is_sharp_beside(body, normal, {x.x(), x.y(), 0}), sharp)
               << deadrise << ' ' << heel << ' ' << at.transpose();
-          keels += !sharp && angle < 0.5 * std::numbers::pi + 1e-6 ? 1 : 0;
+          keels +=
+              !sharp && (last ? edge.end_angle : edge.start_angle) < 0.5 * std::numbers::pi + 1e-6 ? 1 : 0;
+          EXPECT_EQ(body.is_between_sharp_corners(wet_point(body, normal, {middle.x(), middle.y(), 0})),
+                    section.is_between_sharp_corners(e))
+              << deadrise << ' ' << heel << ' ' << middle.transpose();
         }
-        EXPECT_EQ(body.is_between_sharp_corners(wet_point(body, normal, {middle.x(), middle.y(), 0})),
-                  edge.start_sharp && edge.end_sharp)
-            << deadrise << ' ' << heel << ' ' << middle.transpose();
       }
     }
   EXPECT_EQ(keels, 6);  // two sides each: 45 degrees, 45 heeled, 60

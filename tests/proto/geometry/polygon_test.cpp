@@ -34,11 +34,30 @@ TEST(Polygon, turns_are_positive_counter_clockwise) {
   EXPECT_NEAR(turn({1, 0}, {1, -1}), -std::numbers::pi / 4, 1e-15);
 }
 
-TEST(Corner, a_small_turn_makes_one_only_where_it_stands_alone) {
-  EXPECT_TRUE(is_corner(0.4, 0.4));
-  EXPECT_FALSE(is_corner(0.3, 0.2));
-  EXPECT_TRUE(is_corner(0.3, 0.05));
-  EXPECT_FALSE(is_corner(0.02, 0));
+TEST(Bend, a_small_turn_stands_out_only_where_it_is_alone) {
+  EXPECT_TRUE(stands_out(0.4, 0.4));
+  EXPECT_FALSE(stands_out(0.3, 0.2));
+  EXPECT_TRUE(stands_out(0.3, 0.05));
+  EXPECT_FALSE(stands_out(0.02, 0));
+}
+
+/// Unit normal that points down, turned by that angle to the right.
+Eigen::Vector2d down(double degrees) {
+  const double angle = degrees / 180 * std::numbers::pi;
+  return {std::sin(angle), -std::cos(angle)};
+}
+
+TEST(Bend, two_faces_of_a_hull_meet_in_a_knuckle_or_a_chine) {
+  const auto bend = [](double first, double second) {
+    return bend_of(std::abs(second - first) / 180 * std::numbers::pi, 0.0, down(first), down(second));
+  };
+  EXPECT_EQ(bend(16, 45), Bend::knuckle);
+  EXPECT_EQ(bend(45, 16), Bend::knuckle);  // flare
+  EXPECT_EQ(bend(0, 10), Bend::knuckle);
+  EXPECT_EQ(bend(20, 90), Bend::corner);   // chine
+  EXPECT_EQ(bend(-10, 10), Bend::corner);  // keel
+  EXPECT_EQ(bend(80, 110), Bend::knuckle);
+  EXPECT_EQ(bend(10, 11), Bend::smooth);
 }
 
 }  // namespace

@@ -1,0 +1,122 @@
+#include "fluid/geometry/body_surface_2d.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace strake::fluid {
+namespace {
+
+using Places = std::vector<Eigen::Vector2d>;
+
+constexpr double l0 = 0.01, R = 0.15;
+
+/// The closed polygon of these corners, counter-clockwise, with points at most `apart` from one another.
+InterfaceMesh polygon(const Places& corner, double apart = l0) {
+  Places points;
+  for (std::size_t k = 0; k < corner.size(); ++k) {
+    const Eigen::Vector2d along = corner[(k + 1) % corner.size()] - corner[k];
+    const int pieces = std::max(1, static_cast<int>(std::lround(along.norm() / apart)));
+    for (int i = 0; i < pieces; ++i) points.emplace_back(corner[k] + along * i / pieces);
+  }
+  InterfaceMesh mesh;
+  mesh.name = "structure";
+  mesh.dimension = 2;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  mesh.position = Points::Zero(3, n);
+  mesh.faces.resize(2, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    mesh.position.col(k).head<2>() = points[static_cast<std::size_t>(k)];
+    mesh.faces.col(k) << static_cast<int>(k), static_cast<int>((k + 1) % n);
+  }
+  return mesh;
+}
+
+/// Points of a circle about (0, R), from one angle to another in steps [degrees].
+Places arc(double from, double to, double step) {
+  Places out;
+  for (int k = 0; from + k * step <= to + 1e-9; ++k) {
+    const double angle = (from + k * step) / 180 * std::numbers::pi;
+    out.emplace_back(R * std::cos(angle), R + R * std::sin(angle));
+  }
+  return out;
+}
+
+/// A round bottom with upright sides and a flat deck.
+Places round_bottom() {
+  Places out = arc(180, 360, 5);
+  out.emplace_back(R, R + 0.1);
+  out.emplace_back(-R, R + 0.1);
+  return out;
+}
+
+/// A bow's section: faces of 16, 45, 59 and 45 degrees, upright at the deck.
+Places bow() {
+  const Places half = {{0, 0}, {0.06, 0.017}, {0.1, 0.057}, {0.13, 0.107}, {0.2, 0.177}, {0.2, 0.227}};
+  Places out = half;
+  for (std::size_t k = half.size() - 1; k > 0; --k) out.emplace_back(-half[k].x(), half[k].y());
+  return out;
+}
+
+/// Whether water at that distance before the wet point, turned from its normal, sees it through its own edge.
+bool is_seen(const BodySurface2d& outline, int point, double distance, double aside) {
+  const Eigen::Vector2d n = outline.normal(point), along(-n.y(), n.x()),
+                        behind = outline.point(point) - 0.5 * l0 * n,
+                        from = outline.point(point) + distance * n + aside * along;
+  return outline.crosses(outline.edge_of(point), from, behind);
+}
+
+// The pieces of a bent edge do not follow one another along its chord.
+TEST(BodySurface2d, WaterSeesEveryPieceOfABentEdge) {
+  for (const Places& body : {round_bottom(), bow(), arc(0, 355, 5)}) {
+    const BodySurface2d outline(polygon(body), l0);
+    for (int k = 0; k < outline.points(); ++k)
+      for (const double aside : {-0.5, 0.0, 0.5})
+        EXPECT_TRUE(is_seen(outline, k, 0.5 * l0, aside * l0)) << k << " " << outline.point(k).transpose();
+  }
+}
+
+TEST(BodySurface2d, AKnuckleDividesStretchesAndStaysInItsPlace) {
+  const BodySurface2d outline(polygon(bow()), l0);
+  ASSERT_EQ(outline.edges().size(), 5u);  // from the keel to each chine, the sides, the deck
+  const BodySurface2d::Edge& bottom = outline.edges()[0];
+  ASSERT_EQ(bottom.stretch.size(), 3u);  // the two turns of 14 degrees count as a smooth bend
+  for (std::size_t c : {0, 1})
+    EXPECT_NEAR((outline.vertex(bottom.vertex + bottom.stretch[c]) - bow()[c]).norm(), 0, 1e-12);
+}
+
+TEST(BodySurface2d, PointsOnTheStraightFacesOfAPolygonMakeNoCorners) {
+  for (const double apart : {0.02, 0.01, 0.004, 0.001}) {
+    const BodySurface2d outline(polygon(round_bottom(), apart), l0);
+    ASSERT_EQ(outline.edges().size(), 2u) << apart;
+    EXPECT_TRUE(outline.is_curved(0) != outline.is_curved(1)) << apart;
+  }
+}
+
+TEST(BodySurface2d, OnlyFacesThatHardlyTurnCountAsThoseOfPlates) {
+  const BodySurface2d round(polygon(round_bottom()), l0);
+  for (const int edge : {0, 1})
+    EXPECT_EQ(round.is_between_sharp_corners(edge), !round.is_curved(edge)) << edge;  // the deck alone
+  const BodySurface2d plate(polygon({{-0.2, 0}, {0.2, 0}, {0.2, 0.03}, {-0.2, 0.03}}), l0);
+  for (int edge = 0; edge < 4; ++edge) EXPECT_TRUE(plate.is_between_sharp_corners(edge));
+}
+
+TEST(BodySurface2d, AClosedOutlineOfKnucklesAloneKeepsThem) {
+  const Places corner = arc(15, 345, 30);  // twelve turns of 30 degrees, two level faces
+  const BodySurface2d outline(polygon(corner), l0);
+  ASSERT_EQ(outline.edges().size(), 1u);
+  const BodySurface2d::Edge& edge = outline.edges()[0];
+  EXPECT_TRUE(edge.closed);
+  ASSERT_EQ(edge.stretch.size(), 13u);
+  for (const Eigen::Vector2d& place : corner) {
+    double nearest = R;
+    for (const int i : edge.stretch)
+      nearest = std::min(nearest, (outline.vertex(edge.vertex + i) - place).norm());
+    EXPECT_NEAR(nearest, 0, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace strake::fluid
