@@ -16,9 +16,7 @@ namespace {
 
 using Vector2 = BodySurface2d::Vector2;
 
-/// A corner whose angle inside the body is smaller has a tip thinner than a spacing along its first piece.
-constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
-/// Round-off allowance along a piece, as a share of its length.
+/// Two lengths that differ by less, as a share, are equal.
 constexpr double tie = 1e-9;
 
 /// Returns the normal to the right of t. It points into the fluid where the body is followed
@@ -215,14 +213,8 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm()};
     }
   meet_at_bisectors();
-  find_even_edges();
-  run_low_.resize(2, static_cast<Eigen::Index>(edges_.size()));
-  run_high_.resize(2, static_cast<Eigen::Index>(edges_.size()));
-  for (std::size_t r = 0; r < edges_.size(); ++r) {
-    const Edge& edge = edges_[r];
-    const auto own = vertex_.middleCols(edge.vertex, edge.count + 1);
-    run_low_.col(static_cast<Eigen::Index>(r)) = own.rowwise().minCoeff();
-    run_high_.col(static_cast<Eigen::Index>(r)) = own.rowwise().maxCoeff();
+  place_boxes();
+  for (const Edge& edge : edges_)
     for (int i = 0; i < edge.count; ++i) {
       const Vector2 t = vertex_.col(edge.vertex + i + 1) - vertex_.col(edge.vertex + i);
       const Vector2 t_rate =
@@ -234,26 +226,6 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       normal_.col(edge.first + i) = n;
       normal_rate_.col(edge.first + i) = right_of((t_rate - unit * unit.dot(t_rate)) / length);
     }
-  }
-  if (!edges_.empty()) {
-    low_ = run_low_.rowwise().minCoeff();
-    high_ = run_high_.rowwise().maxCoeff();
-  }
-}
-
-/// Finds the edges whose vertices follow one another evenly along the chord: vertex i within half a piece of
-/// i/count of it.
-void BodySurface2d::find_even_edges() {
-  is_even_.assign(edges_.size(), 0);
-  for (std::size_t r = 0; r < edges_.size(); ++r) {
-    const Edge& edge = edges_[r];
-    const Vector2 origin = vertex_.col(edge.vertex), chord = vertex_.col(edge.vertex + edge.count) - origin;
-    const double piece = chord.squaredNorm() / edge.count;
-    bool even = !edge.closed && edge.count > 4 && piece > 0;
-    for (int i = 1; even && i < edge.count; ++i)
-      even = std::abs((vertex_.col(edge.vertex + i) - origin).dot(chord) / piece - i) <= 0.5;
-    is_even_[r] = even ? 1 : 0;
-  }
 }
 
 /// Lets the faces of a corner that is not sharp end at its bisector. Water before such a corner lies
@@ -275,76 +247,8 @@ void BodySurface2d::meet_at_bisectors() {
     }
 }
 
-/// Returns the pieces of an edge that the segment a–b may cross: the first one, and the one behind the last.
-/// The chord of an even edge orders them. Of a bent one all count.
-std::pair<int, int> BodySurface2d::pieces_beside(int r, const Vector2& a, const Vector2& b) const {
-  const Edge& edge = edges_[static_cast<std::size_t>(r)];
-  if (!is_even_[static_cast<std::size_t>(r)]) return {0, edge.count};
-  const Vector2 origin = vertex_.col(edge.vertex);
-  const Vector2 chord = vertex_.col(edge.vertex + edge.count) - origin;
-  const double chord2 = chord.squaredNorm(), last = edge.count;
-  const double sa = (a - origin).dot(chord) / chord2 * edge.count;
-  const double sb = (b - origin).dot(chord) / chord2 * edge.count;
-  return {static_cast<int>(std::clamp(std::floor(std::min(sa, sb)) - 1, 0.0, last)),
-          static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last))};
-}
-
-bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners corners) const {
-  if (std::max(a.x(), b.x()) < run_low_(0, r) || std::min(a.x(), b.x()) > run_high_(0, r) ||
-      std::max(a.y(), b.y()) < run_low_(1, r) || std::min(a.y(), b.y()) > run_high_(1, r))
-    return false;
-  const Edge& edge = edges_[static_cast<std::size_t>(r)];
-  auto [begin, end] = pieces_beside(r, a, b);
-  if (corners == Corners::without_tips && !edge.closed) {
-    if (edge.start_angle < sharp_angle) begin = std::max(begin, 1);
-    if (edge.end_angle < sharp_angle) end = std::min(end, edge.count - 1);
-  }
-  const bool owned = corners == Corners::owned && !edge.closed;
-  const Vector2 d = b - a;
-  for (int i = begin; i < end; ++i) {
-    const Vector2 v = vertex_.col(edge.vertex + i);
-    const Vector2 e = vertex_.col(edge.vertex + i + 1) - v;
-    const double det = cross(d, e);
-    if (det == 0) continue;  // parallel lines do not cross
-    const Vector2 to_start = v - a;
-    const double t = cross(to_start, e) / det;  // along the pair
-    if (t < 0 || t > 1) continue;
-    const double s = cross(to_start, d) / det;  // along the piece
-    const bool from_corner = owned && i == 0 && !edge.owns_start;
-    const bool to_corner = owned && i == edge.count - 1 && !edge.owns_end;
-    if (s >= (from_corner ? tie : -tie) && s <= (to_corner ? 1 - tie : 1 + tie)) return true;
-  }
-  return false;
-}
-
-bool BodySurface2d::separates(const Vector2& a, const Vector2& b) const {
-  for (int r = 0; r < static_cast<int>(edges_.size()); ++r)
-    if (crosses(r, a, b, Corners::without_tips)) return true;
-  return false;
-}
-
-double BodySurface2d::way_around(const Vector2& a, const Vector2& b) const {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  int first = -1, second = -1;
-  for (int r = 0; r < static_cast<int>(edges_.size()); ++r) {
-    if (!crosses(r, a, b, Corners::all)) continue;
-    if (second >= 0) return none;
-    (first < 0 ? first : second) = r;
-  }
-  if (first < 0) return (b - a).norm();
-  if (second < 0) return none;
-  double way = none;
-  for (const auto& [from, to] : {std::pair(first, second), std::pair(second, first)}) {
-    const Edge& edge = edges_[static_cast<std::size_t>(from)];
-    if (edge.next != to) continue;
-    const Vector2 corner = vertex_.col(edge.vertex + edge.count);
-    way = std::min(way, (a - corner).norm() + (b - corner).norm());
-  }
-  return way;
-}
-
 bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
-  if ((x.array() < low_.array() - distance).any() || (x.array() > high_.array() + distance).any())
+  if ((x.array() < whole_.low.array() - distance).any() || (x.array() > whole_.high.array() + distance).any())
     return false;
   return std::ranges::any_of(edges_, [&](const Edge& edge) {
     return !edge.closed && (vertex_.col(edge.vertex) - x).squaredNorm() < distance * distance;
@@ -363,7 +267,7 @@ BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) 
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {
-  if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any()) return false;
+  if ((x.array() < whole_.low.array()).any() || (x.array() > whole_.high.array()).any()) return false;
   bool odd = false;
   for (const Edge& edge : edges_)
     for (int i = 0; i < edge.count; ++i)

@@ -64,8 +64,8 @@ class BodySurface2d {
   Vector2 vertex(int v) const { return vertex_.col(v); }
   Vector2 vertex_velocity(int v) const { return vertex_velocity_.col(v); }
   double area(int k) const { return area_[k]; }  // length of the piece [m]
-  Vector2 low() const { return low_; }           // bounding box
-  Vector2 high() const { return high_; }
+  Vector2 low() const { return whole_.low; }     // bounding box
+  Vector2 high() const { return whole_.high; }
 
   /// Whether the segment a–b crosses that edge. Corners count for the edge that owns them.
   bool crosses(int edge, const Vector2& a, const Vector2& b) const {
@@ -111,6 +111,12 @@ class BodySurface2d {
     double length = 0;
     double inside(const Vector2& x) const { return (x - place).dot(inwards) / length; }
   };
+  struct Box {
+    Vector2 low = Vector2::Zero(), high = Vector2::Zero();
+    bool meets(const Box& other) const {
+      return (low.array() <= other.high.array()).all() && (high.array() >= other.low.array()).all();
+    }
+  };
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
   bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
@@ -119,8 +125,9 @@ class BodySurface2d {
   void connect(std::size_t first_edge);
   void place_vertices(const Edge&, const Vectors2& from, Vectors2& to, bool is_position);
   void meet_at_bisectors();
-  void find_even_edges();
+  void place_boxes();
   std::pair<int, int> pieces_beside(int edge, const Vector2& a, const Vector2& b) const;
+  bool crosses_piece(int vertex, const Vector2& a, const Vector2& b, double from, double to) const;
 
   InterfaceMesh mesh_;
   std::vector<Edge> edges_;
@@ -132,8 +139,9 @@ class BodySurface2d {
   Eigen::VectorXd area_;
   std::vector<std::array<Ending, 2>> ends_;  // of each edge: start, end
   std::vector<std::uint8_t> is_even_;
-  Vectors2 run_low_, run_high_;
-  Vector2 low_ = Vector2::Zero(), high_ = Vector2::Zero();
+  std::vector<Box> box_, block_box_;      // around each edge; around blocks of its pieces
+  std::vector<std::size_t> first_block_;  // of each edge
+  Box whole_;
 };
 
 }  // namespace strake::fluid
