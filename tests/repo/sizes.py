@@ -13,7 +13,6 @@ LONGER_FUNCTIONS = {
     ("structure/particle/stepping.cpp", "ParticleSolver<dim>::sub_step"):
         "one leapfrog step; its kicks, move and work account share nearly every quantity",
     ("structure/body/solid_surface.cpp", "sphere_surface"): "one construction, from icosahedron to sphere",
-    ("fluid/geometry/body_surface_2d.cpp", "BodySurface2d::move"): "places, corners and boxes of the same edges",
 }
 LARGER_CLASSES = {}
 

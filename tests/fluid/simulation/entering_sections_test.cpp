@@ -1,0 +1,83 @@
+#include "structure/body/surface.hpp"
+#include "tests/fluid/plate_case.hpp"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace strake::fluid {
+namespace {
+
+using Places = std::vector<Eigen::Vector2d>;
+
+constexpr double l0 = 0.02, speed = 4, dt = 2e-4, R = 0.15;
+
+/// Force upwards [N/m] on a section that is driven into still water at 4 m/s, after each step. Its lowest
+/// point starts 0.6 l0 over the water, and stands beside the lattice's symmetry.
+std::vector<double> forces(Places corner, int steps) {
+  for (auto& x : corner) x += Eigen::Vector2d(0.23 * l0, 0.6 * l0);
+  const InterfaceMesh body = structure::outline(corner, l0);
+  const Parameters p = tank_case(1.6, 0.6, l0, 0.5);
+  Simulation<2> simulation(p, body, PlateEntry::down(body, speed));
+  const auto m = simulation.interface().position.cols();
+  InterfaceMotion motion{Points::Zero(3, m), PlateEntry::down(simulation.interface(), speed),
+                         Points::Zero(3, m)};
+  std::vector<double> out;
+  for (int step = 1; step <= steps; ++step) {
+    motion.displacement.row(1).setConstant(-speed * step * dt);
+    simulation.step(dt, motion);
+    out.push_back(simulation.interface_force().row(1).sum());
+  }
+  return out;
+}
+
+Places arc(double from, double to) {
+  Places out;
+  for (double angle = from; angle < to + 1; angle += 5)
+    out.emplace_back(R * std::cos(angle / 180 * std::numbers::pi),
+                     R + R * std::sin(angle / 180 * std::numbers::pi));
+  return out;
+}
+
+// Pieces of the bent edge were left out where pairs of water and layers were looked for: half a cylinder had
+// 72 % of the whole one's impulse.
+TEST(EnteringSections, ARoundBottomUnderADeckHasTheForceOfAWholeCylinder) {
+  Places half = arc(180, 360);
+  half.emplace_back(R, R + 0.1);
+  half.emplace_back(-R, R + 0.1);
+  const int steps = 50;  // to 40 mm below the level
+  double of_half = 0, of_whole = 0;
+  for (const double force : forces(half, steps)) of_half += force * dt;
+  for (const double force : forces(arc(0, 355), steps)) of_whole += force * dt;
+  fmt::print("impulse of half a cylinder {:.1f} N s/m, of a whole one {:.1f}\n", of_half, of_whole);
+  EXPECT_GT(of_whole, 50);
+  EXPECT_NEAR(of_half / of_whole, 1, 0.04);
+}
+
+// Where faces ended at the knuckles of 29 and 14 degrees, water met one face and left the other in a few
+// steps, and the force rose and fell by half of its mean.
+TEST(EnteringSections, WaterPassesTheKnucklesOfABowWithoutBlows) {
+  Places bow = {{0, 0}, {0.06, 0.017}, {0.1, 0.057}, {0.13, 0.107}, {0.2, 0.177}, {0.2, 0.227}};
+  for (std::size_t k = bow.size() - 1; k > 0; --k) bow.emplace_back(-bow[k].x(), bow[k].y());
+  const std::vector<double> force = forces(bow, 125);
+  double sum = 0, squares = 0, least = 1;
+  int count = 0;
+  for (std::size_t k = 30; k + 5 < force.size(); ++k, ++count) {
+    double mean = 0;  // of 2 ms
+    for (std::size_t i = k - 5; i <= k + 5; ++i) mean += force[i] / 11;
+    sum += mean;
+    squares += (force[k] - mean) * (force[k] - mean);
+    least = std::min(least, force[k] / mean);
+  }
+  const double rms = std::sqrt(squares / count) / (sum / count);
+  fmt::print("bow: scatter {:.2f} of the mean, least {:.2f}\n", rms, least);
+  EXPECT_LT(rms, 0.2);
+  EXPECT_GT(least, 0.4);
+}
+
+}  // namespace
+}  // namespace strake::fluid
