@@ -18,6 +18,8 @@ using Vector2 = BodySurface2d::Vector2;
 
 /// Two lengths that differ by less, as a share, are equal.
 constexpr double tie = 1e-9;
+/// An end of an edge counts for water up to this distance [spacings]. Pairs of water and layers are shorter.
+constexpr double end_reach = 4;
 
 /// Returns the normal to the right of t. It points into the fluid where the body is followed
 /// counter-clockwise.
@@ -35,7 +37,7 @@ Vector2 joined(const Vector2& before, int count_before, const Vector2& behind, i
 
 }  // namespace
 
-BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
+BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) : spacing_(spacing) {
   mesh_.name = "fluid";
   mesh_.dimension = 2;
   for (const auto& loop : loops_of(partner)) {
@@ -49,7 +51,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_edges(Outline(partner, loop), spacing);
+    add_edges(Outline(partner, loop));
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);
@@ -60,7 +62,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) {
 }
 
 /// Divides an outline into edges between its corners.
-void BodySurface2d::add_edges(const Outline& outline, double spacing) {
+void BodySurface2d::add_edges(const Outline& outline) {
   const std::size_t n = outline.size();
   std::vector<std::size_t> corners;
   for (std::size_t k = 0; k < n; ++k)
@@ -93,7 +95,7 @@ void BodySurface2d::add_edges(const Outline& outline, double spacing) {
       edge.start_sharp = is_sharp_corner(edge.start_angle, down(begin + n - 1), down(begin));
       edge.end_sharp = is_sharp_corner(edge.end_angle, down(end + n - 1), down(end));
     }
-    add_pieces(outline, begin, end, spacing, edge);
+    add_pieces(outline, begin, end, edge);
     edges_.push_back(edge);
   }
   connect(first_edge);
@@ -105,8 +107,7 @@ void BodySurface2d::add_edges(const Outline& outline, double spacing) {
 
 /// Divides an edge, from point `begin` of the outline to point `end`, into stretches between knuckles, and
 /// each stretch into equal pieces of about a spacing with a wet point in the middle.
-void BodySurface2d::add_pieces(const Outline& outline, std::size_t begin, std::size_t end, double spacing,
-                               Edge& edge) {
+void BodySurface2d::add_pieces(const Outline& outline, std::size_t begin, std::size_t end, Edge& edge) {
   std::vector<double> length{0}, stop{0};  // along the edge: at each of its points; where stretches end [m]
   for (std::size_t k = begin; k < end; ++k) {
     if (k > begin && outline.bend[k % outline.size()] == Bend::knuckle) stop.push_back(length.back());
@@ -116,7 +117,7 @@ void BodySurface2d::add_pieces(const Outline& outline, std::size_t begin, std::s
   const int least = edge.closed && stop.size() == 2 ? 3 : 1;
   for (std::size_t c = 0; c + 1 < stop.size(); ++c) {
     const double whole = stop[c + 1] - stop[c];
-    const int count = std::max(least, static_cast<int>(std::lround(whole / spacing)));
+    const int count = std::max(least, static_cast<int>(std::lround(whole / spacing_)));
     const double piece = whole / count;
     const Eigen::Index first = edge.first + edge.count;
     reference_.conservativeResize(2, first + count);
@@ -205,12 +206,13 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       values->col(end) = values->col(next.vertex) =
           joined(values->col(end), mine, values->col(next.vertex), next.stretch[1]);
   }
+  const double reach2 = end_reach * end_reach * spacing_ * spacing_;
   ends_.resize(edges_.size());
   for (std::size_t r = 0; r < edges_.size(); ++r)
     for (const bool last : {false, true}) {
       const int at = edges_[r].vertex + (last ? edges_[r].count : 0);
       const Vector2 place = vertex_.col(at), inwards = vertex_.col(last ? at - 1 : at + 1) - place;
-      ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm()};
+      ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm(), reach2};
     }
   meet_at_bisectors();
   place_boxes();
@@ -243,7 +245,7 @@ void BodySurface2d::meet_at_bisectors() {
       const Ending& other = along[static_cast<std::size_t>(last ? edge.next : edge.previous)][last ? 0 : 1];
       Ending& own = ends_[r][last ? 1 : 0];
       const Vector2 direction = own.inwards / own.length, across = direction - other.inwards / other.length;
-      own = {own.place, across, direction.dot(across)};
+      own = {own.place, across, direction.dot(across), own.reach2};
     }
 }
 

@@ -82,7 +82,7 @@ class BodySurface2d {
   bool beside_corner(const Vector2& x, double distance) const;
   bool inside(const Vector2& x) const;
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
-  /// negative past an end, and infinite where the edge has no end.
+  /// negative past an end, and infinite where no end is within four spacings: a bent edge may turn back.
   double within(int edge, const Vector2& x) const {
     const auto& [start, end] = ends_[static_cast<std::size_t>(edge)];
     if (edges_[static_cast<std::size_t>(edge)].closed) return std::numeric_limits<double>::infinity();
@@ -109,7 +109,11 @@ class BodySurface2d {
   struct Ending {  // of an edge: its first or last piece, from the end inwards
     Vector2 place, inwards;
     double length = 0;
-    double inside(const Vector2& x) const { return (x - place).dot(inwards) / length; }
+    double reach2 = 0;  // square of the distance up to which it counts [m²]
+    double inside(const Vector2& x) const {
+      const Vector2 r = x - place;
+      return r.squaredNorm() < reach2 ? r.dot(inwards) / length : std::numeric_limits<double>::infinity();
+    }
   };
   struct Box {
     Vector2 low = Vector2::Zero(), high = Vector2::Zero();
@@ -120,8 +124,8 @@ class BodySurface2d {
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
   bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
-  void add_edges(const Outline&, double spacing);
-  void add_pieces(const Outline&, std::size_t begin, std::size_t end, double spacing, Edge&);
+  void add_edges(const Outline&);
+  void add_pieces(const Outline&, std::size_t begin, std::size_t end, Edge&);
   void connect(std::size_t first_edge);
   void place_vertices(const Edge&, const Vectors2& from, Vectors2& to, bool is_position);
   void meet_at_bisectors();
@@ -129,6 +133,7 @@ class BodySurface2d {
   std::pair<int, int> pieces_beside(int edge, const Vector2& a, const Vector2& b) const;
   bool crosses_piece(int vertex, const Vector2& a, const Vector2& b, double from, double to) const;
 
+  double spacing_ = 0;
   InterfaceMesh mesh_;
   std::vector<Edge> edges_;
   std::vector<int> edge_of_;

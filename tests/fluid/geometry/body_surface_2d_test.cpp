@@ -52,6 +52,11 @@ Places round_bottom() {
   return out;
 }
 
+/// A circle with a flat top; more than half of it is left.
+Places cut_circle() {
+  return arc(150, 390, 5);
+}
+
 /// A bow's section: faces of 16, 45, 59 and 45 degrees, upright at the deck.
 Places bow() {
   const Places half = {{0, 0}, {0.06, 0.017}, {0.1, 0.057}, {0.13, 0.107}, {0.2, 0.177}, {0.2, 0.227}};
@@ -75,6 +80,17 @@ TEST(BodySurface2d, WaterSeesEveryPieceOfABentEdge) {
     for (int k = 0; k < outline.points(); ++k)
       for (const double aside : {-0.5, 0.0, 0.5})
         EXPECT_TRUE(is_seen(outline, k, 0.5 * l0, aside * l0)) << k << " " << outline.point(k).transpose();
+  }
+}
+
+// The direction from an end of an edge tells nothing of its far side, where a bent edge has turned back.
+TEST(BodySurface2d, WaterBeforeAPieceLiesOverItsFace) {
+  for (const Places& body :
+       {round_bottom(), cut_circle(), bow(), arc(0, 355, 5), Places{{0, 0}, {0.2, 0.1}, {-0.2, 0.1}}}) {
+    const BodySurface2d outline(polygon(body), l0);
+    for (int k = 0; k < outline.points(); ++k)
+      EXPECT_GE(outline.within(outline.edge_of(k), outline.point(k) + 0.5 * l0 * outline.normal(k)), 0)
+          << outline.point(k).transpose();
   }
 }
 
