@@ -168,8 +168,8 @@ std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
                                         wetted.left ? " as it leaves the face" : "");
   if (!wetted.straight)
     return count +
-           ", by the mean slope of the face. Its slope changes: the force scattered about its mean by 10 "
-           "to 20 % on a cylinder, by 20 to 70 % on a bow with flare";
+           ", by the mean slope of the face. Its slope changes: the force scattered about its mean by 3 to "
+           "15 % on a cylinder and on a bow with flare, by 30 % while less than ten spacings were wet";
   if (jet >= spacing) return count + ": the force scatters by some 10 % about its mean, as that of wedges";
   return fmt::format(
       "{}: the force scatters by up to 50 % about its mean, as that of wedges; by 10 % with "

@@ -249,7 +249,7 @@ TEST(Resolution, AFaceWhoseSlopeChangesIsNotSaidToScatterAsWedgesDo) {
   bow.velocity = Points::Zero(3, 5);
   bow.velocity.row(1).setConstant(-6);
   const auto lines = resolution_lines(case_with(0.002, 0.012), bow.mesh, bow.velocity);
-  EXPECT_TRUE(says(lines, "by 20 to 70 % on a bow with flare"));
+  EXPECT_TRUE(says(lines, "on a cylinder and on a bow with flare"));
   EXPECT_FALSE(says(lines, "as that of wedges"));
 }
 
