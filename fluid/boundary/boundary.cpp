@@ -1,6 +1,7 @@
 #include "fluid/boundary/boundary.hpp"
 
 #include "proto/error.hpp"
+#include "proto/geometry/corner.hpp"
 
 #include <fmt/format.h>
 
@@ -36,6 +37,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
                         State<dim>& tank)
     : spacing_(p.spacing),
       water_density_(p.density),
+      knuckles_(p.submerged ? knuckles_under_water : Knuckles{}),
       reach_(largest_reach(p)),
       counting_radius_(p.scheme.radius_density * p.spacing),
       tank_(p, reach_, tank),

@@ -196,6 +196,7 @@ class Boundary {
   void check_reach() const;
 
   double spacing_, water_density_;
+  Knuckles knuckles_;               // turns of bodies that end no face
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]
   Tank<dim> tank_;
   InterfaceMesh mesh_;

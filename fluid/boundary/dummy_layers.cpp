@@ -29,7 +29,7 @@ void append(State<dim>& state, Kind kind, std::size_t count) {
 template <int dim>
 void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) {
   if constexpr (dim == 3) {
-    body_surface_ = BodySurface3d(partner, spacing_, reach_);
+    body_surface_ = BodySurface3d(partner, spacing_, reach_, knuckles_);
     mesh_ = body_surface_.mesh();
     const auto m = static_cast<std::size_t>(body_surface_.points()),
                rows = body_surface_.layer_particles().size();
@@ -40,7 +40,7 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) 
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
   } else {
-    body_surface_ = BodySurface2d(partner, spacing_);
+    body_surface_ = BodySurface2d(partner, spacing_, knuckles_);
     mesh_ = body_surface_.mesh();
     layers_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
     const int m = body_surface_.points();

@@ -37,7 +37,8 @@ Vector2 joined(const Vector2& before, int count_before, const Vector2& behind, i
 
 }  // namespace
 
-BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) : spacing_(spacing) {
+BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing, const Knuckles& knuckles)
+    : spacing_(spacing) {
   mesh_.name = "fluid";
   mesh_.dimension = 2;
   for (const auto& loop : loops_of(partner)) {
@@ -51,7 +52,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing) : spa
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_edges(Outline(partner, loop));
+    add_edges(Outline(partner, loop, knuckles));
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);

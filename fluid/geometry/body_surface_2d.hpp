@@ -44,8 +44,9 @@ class BodySurface2d {
   };
 
   BodySurface2d() = default;
-  /// partner: closed chains of segments. Throws Error(case_file) when they are open or clockwise.
-  BodySurface2d(const InterfaceMesh& partner, double spacing);
+  /// partner: closed chains of segments. Throws Error(case_file)
+  /// when they are open or clockwise.
+  BodySurface2d(const InterfaceMesh& partner, double spacing, const Knuckles& = {});
 
   bool empty() const { return edges_.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // wet points, faces between neighbours around the body

@@ -24,9 +24,10 @@ constexpr double tie = 1e-9;
 
 }  // namespace
 
-BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, double reach)
+BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, double reach,
+                             const Knuckles& knuckles)
     : mesh_(partner),
-      patches_(find_patches(partner)),
+      patches_(find_patches(partner, knuckles)),
       points_(wet_points(partner, patches_, spacing)),
       halved_edges_(patches_),
       spacing_(spacing),

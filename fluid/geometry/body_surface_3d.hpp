@@ -35,7 +35,7 @@ class BodySurface3d {
   BodySurface3d() = default;
   /// partner: a closed surface of triangles. reach: largest radius of the scheme [m]. Throws Error(case_file)
   /// where the surface is not closed or inside out.
-  BodySurface3d(const InterfaceMesh& partner, double spacing, double reach);
+  BodySurface3d(const InterfaceMesh& partner, double spacing, double reach, const Knuckles& = {});
 
   bool empty() const { return points_.point.empty(); }
   const InterfaceMesh& mesh() const { return mesh_; }  // the partner's

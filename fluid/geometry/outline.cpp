@@ -42,7 +42,7 @@ std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
   return loops;
 }
 
-Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop)
+Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop, const Knuckles& knuckles)
     : place(2, static_cast<Eigen::Index>(loop.size())), turn(loop.size()), bend(loop.size(), Bend::smooth) {
   const std::size_t n = loop.size();
   for (std::size_t k = 0; k < n; ++k)
@@ -58,7 +58,7 @@ Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop)
     for (const std::size_t step : {std::size_t{1}, bends.size() - 1})
       if (const double other = std::abs(turn[bends[(b + step) % bends.size()]]); other <= corner_angle)
         beside = std::max(beside, other);
-    bend[k] = bend_of(std::abs(turn[k]), beside, normal(k + n - 1), normal(k));
+    bend[k] = bend_of(std::abs(turn[k]), beside, normal(k + n - 1), normal(k), knuckles);
   }
 }
 

@@ -19,7 +19,7 @@ struct Outline {
   std::vector<double> turn;  // at each point [rad], positive where the body is convex
   std::vector<Bend> bend;    // at each point
 
-  Outline(const InterfaceMesh& partner, const std::vector<int>& loop);
+  Outline(const InterfaceMesh& partner, const std::vector<int>& loop, const Knuckles&);
   std::size_t size() const { return turn.size(); }
   /// Point k, counted on around the outline.
   Eigen::Vector2d at(std::size_t k) const { return place.col(static_cast<Eigen::Index>(k % size())); }

@@ -109,7 +109,8 @@ void measure_turns(const InterfaceMesh& mesh, const std::vector<Vector3>& area, 
 }
 
 /// Marks the edges that are corners; returns the sets of triangles that no corner divides.
-Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, std::size_t triangles) {
+Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, const Knuckles& knuckles) {
+  const std::size_t triangles = area.size();
   // Edges between triangles of one plane join them to a flat face. Other edges below the corner angle are
   // bends.
   Sets flat(triangles);
@@ -137,7 +138,8 @@ Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, st
     for (const auto& [face, turn] : beside[j])
       if (face != i) other = std::max(other, turn);
     const auto normal = [&](int t) { return area[static_cast<std::size_t>(t)].normalized(); };
-    edge.corner = bend_of(std::abs(edge.turn), other, normal(edge.left), normal(edge.right)) == Bend::corner;
+    edge.corner =
+        bend_of(std::abs(edge.turn), other, normal(edge.left), normal(edge.right), knuckles) == Bend::corner;
     if (!edge.corner) smooth.join(edge.left, edge.right);
   }
   return smooth;
@@ -162,13 +164,13 @@ void find_plane_patches(const std::vector<Vector3>& area, SurfacePatches& patche
 
 }  // namespace
 
-SurfacePatches find_patches(const InterfaceMesh& mesh) {
+SurfacePatches find_patches(const InterfaceMesh& mesh, const Knuckles& knuckles) {
   if (mesh.faces.rows() != 3) fail(mesh, "its faces are no triangles", "give a closed surface of triangles");
   std::vector<Edge> edges = edges_of(mesh);
   const std::vector<Vector3> area = areas_of(mesh);
   const std::size_t triangles = area.size();
   measure_turns(mesh, area, edges);
-  Sets smooth = mark_corners(edges, area, triangles);
+  Sets smooth = mark_corners(edges, area, knuckles);
 
   SurfacePatches patches;
   patches.of_triangle.resize(triangles);

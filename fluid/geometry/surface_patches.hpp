@@ -1,5 +1,6 @@
 #pragma once
 
+#include "proto/geometry/corner.hpp"
 #include "proto/interface.hpp"
 
 #include <Eigen/Core>
@@ -30,9 +31,8 @@ struct SurfacePatches {
   int count() const { return static_cast<int>(area.size()); }
 };
 
-/// Divides a surface into smooth patches. Triangles belong to one patch across edges where the surface turns
-/// by less than 20 degrees. A smaller turn that is alone between flat faces divides them too. Throws
+/// Divides a surface into patches between corners (`Bend`). Throws
 /// Error(case_file) when the surface is not closed, or its normals point into the body.
-SurfacePatches find_patches(const InterfaceMesh&);
+SurfacePatches find_patches(const InterfaceMesh&, const Knuckles& = {});
 
 }  // namespace strake::fluid

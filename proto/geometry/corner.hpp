@@ -12,8 +12,6 @@ namespace strake {
 inline constexpr double corner_angle = 0.35;  // [rad], 20 degrees
 /// So does a smaller turn that stands alone: a smooth surface turns about as much beside it.
 inline constexpr double lone_angle = 0.03, lone_share = 0.25;  // [rad], of the lone turn
-/// Sharpest turn of a knuckle. Chosen; with 75 degrees the force behind a chine is 5 % lower.
-inline constexpr double knuckle_angle = 0.7;  // [rad], 40 degrees
 
 /// Largest angle inside a body at which water leaves its corner: that of plates and boxes, with room for
 /// round-off.
@@ -39,15 +37,24 @@ inline bool stands_out(double turn, double beside) {
 /// turns at once: water follows it.
 enum class Bend : std::uint8_t { smooth, knuckle, corner };
 
-/// Returns what a turn is [rad, positive]. before, behind: the unit normals of its two faces, y up. A turn of
-/// at most 40 degrees is a knuckle, unless it is a keel: both faces look down, and to opposite sides by more
-/// than half a degree.
+/// Which turns that stand out are knuckles. Of a body that enters the water: those of at most 46 degrees
+/// (chosen; as a knuckle, a chine of 60 degrees has a force 4 % lower behind it) that are no keels.
+struct Knuckles {
+  double sharpest = 0.8;  // turn [rad]
+  bool keels = false;     // keels are knuckles too
+};
+/// Those of a body that stands in the water: all turns below a right angle.
+inline constexpr Knuckles knuckles_under_water{0.5 * std::numbers::pi - 1e-6, true};
+
+/// Returns what a turn is [rad, positive]. before, behind: the unit normals of its two faces, y up. It is a
+/// keel where both faces look down, and to opposite sides by more than half a degree.
 template <class Normal>
-Bend bend_of(double turn, double beside, const Normal& before, const Normal& behind) {
+Bend bend_of(double turn, double beside, const Normal& before, const Normal& behind,
+             const Knuckles& knuckles = {}) {
   if (!stands_out(turn, beside)) return Bend::smooth;
   const double sides = before.dot(behind) - before.y() * behind.y();
   const bool is_keel = sides < -1e-4 && before.y() < 0 && behind.y() < 0;
-  return turn > knuckle_angle || is_keel ? Bend::corner : Bend::knuckle;
+  return turn > knuckles.sharpest || (is_keel && !knuckles.keels) ? Bend::corner : Bend::knuckle;
 }
 
 }  // namespace strake

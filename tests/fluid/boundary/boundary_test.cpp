@@ -134,8 +134,8 @@ std::vector<Eigen::Vector2d> with_corner(double angle) {
 TEST(BodySurface2d, CornersAreFoundFromTheSharpToTheNearlyFlatAndCirclesHaveNone) {
   for (const double angle : {60.0, 90.0, 120.0, 160.0, 172.0, 200.0, 270.0}) {
     const BodySurface2d outline(polygon(with_corner(angle)), l0);
-    // At 60 degrees the chines, turns of 30 degrees, are knuckles.
-    ASSERT_EQ(outline.edges().size(), angle > 60 ? 5u : 3u) << angle;
+    // At 60 and 90 degrees the chines, turns of 30 and 45 degrees, are knuckles.
+    ASSERT_EQ(outline.edges().size(), angle > 90 ? 5u : 3u) << angle;
     EXPECT_NEAR(outline.edges()[0].start_angle, angle * std::numbers::pi / 180, 1e-9);
     EXPECT_NEAR((outline.vertex(outline.edges()[0].vertex) - Eigen::Vector2d(0, 0.12)).norm(), 0, 1e-12);
   }
@@ -186,7 +186,8 @@ TEST(BodySurface2d, TheWayAroundACornerGrowsFromTheStraightOne) {
 }
 
 TEST(BodySurface2d, HowFarAPlaceLiesOverAFaceIsCountedFromItsNearerEnd) {
-  const BodySurface2d plate(rectangle(-0.2, 0, 0.4, 0.02, l0), l0), keel(polygon(with_corner(90)), l0);
+  const BodySurface2d plate(rectangle(-0.2, 0, 0.4, 0.02, l0), l0),
+      keel(polygon(with_corner(90)), l0, {.sharpest = 0.5});
   // The keel's face ends at the bisectors, of its right angle and of one of 135 degrees.
   for (const auto& [outline, at_start, at_end] :
        {std::tuple(&plate, 0.0, 0.0), std::tuple(&keel, 0.4, 0.4 * std::tan(std::numbers::pi / 8))}) {

@@ -58,6 +58,8 @@ TEST(Bend, two_faces_of_a_hull_meet_in_a_knuckle_or_a_chine) {
   EXPECT_EQ(bend(-10, 10), Bend::corner);  // keel
   EXPECT_EQ(bend(80, 110), Bend::knuckle);
   EXPECT_EQ(bend(10, 11), Bend::smooth);
+  EXPECT_EQ(bend(0, 45), Bend::knuckle);  // chamfer
+  EXPECT_EQ(bend_of(1.2, 0.0, down(20), down(89), knuckles_under_water), Bend::knuckle);
 }
 
 }  // namespace
