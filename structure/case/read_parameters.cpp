@@ -1,7 +1,7 @@
 #include "structure/case/read_parameters.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/body/wall.hpp"
