@@ -3,7 +3,7 @@
 #include "fluid/case/read_parameters.hpp"
 #include "fluid/participant.hpp"
 #include "fluid/size.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"
 #include "proto/version.hpp"
 

@@ -131,10 +131,14 @@ MotionTable::Jet MotionTable::evaluate(const Channel& channel, double t) const {
   return {value, first_derivative, (2 * second + 6 * s * third) / (h * h)};
 }
 
-double MotionTable::largest_speed(double until) const {
-  double largest = std::max(at(0).velocity.norm(), at(until).velocity.norm());
+double MotionTable::largest_speed(double until, double reach) const {
+  const auto speed = [&](double t) {
+    const RigidMotion motion = at(t);
+    return motion.velocity.norm() + std::abs(motion.angular_velocity) * reach;
+  };
+  double largest = std::max(speed(0), speed(until));
   const auto look = [&](double t) {
-    if (t > 0 && t < until) largest = std::max(largest, at(t).velocity.norm());
+    if (t > 0 && t < until) largest = std::max(largest, speed(t));
   };
   for (std::size_t k = 0; k < time_.size(); ++k) {
     look(time_[k]);

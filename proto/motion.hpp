@@ -37,9 +37,10 @@ class MotionTable {
   /// True if it gives a channel: 0 x, 1 y, 2 z, 3 angle. A channel that is not given stands still.
   bool gives(std::size_t channel) const { return channel_.at(channel).kind != MotionColumn::absent; }
   bool turns() const { return gives(3); }
-  /// Largest speed of the origin from t = 0 to `until` [m/s], of the table's times and the middles between
-  /// them: a piece has its largest rate at an end or, nearly, in its middle.
-  double largest_speed(double until) const;
+  /// Largest speed |v| + |ω| reach from t = 0 to `until` [m/s], of the table's times and the middles between
+  /// them: a piece has its largest rate at an end or, nearly, in its middle. reach: of the body from the
+  /// origin, whose speed is |v| [m].
+  double largest_speed(double until, double reach = 0) const;
 
  private:
   struct Channel {

@@ -1,6 +1,6 @@
 #include "structure/program.hpp"
 
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"
 #include "proto/version.hpp"
 #include "structure/case/read_parameters.hpp"

@@ -1,7 +1,7 @@
 #include "coupler/case/rank_threads.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "proto/lookup.hpp"
 
 #include <fmt/format.h>

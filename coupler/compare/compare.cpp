@@ -106,6 +106,8 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
   }
   const Curve curve = curve_of(*data.history, block.probe);
   if (curve.size() == 0) return std::nullopt;
+  // A row of a load is the mean of its window.
+  if (metric == "impulse" && is_load(block.probe)) return impulse_of_means(curve, from, to);
   if (metric == "impulse") return impulse(curve, from, to);
   if (metric == "mean") return mean(curve, from, to);
   if (metric == "rms") return rms(curve, from, to);

@@ -22,14 +22,7 @@ Curve at_equal_steps(const Curve& c, double from, double to, std::size_t n) {
 
 /// ∫ of the window means if a run has them (steps within a window count), else of the history's lines.
 double impulse_of(const Record& r, double from, double to) {
-  if (r.means.size() == 0) return impulse(r.curve, from, to);
-  double sum = 0, before = from;
-  for (std::size_t k = 0; k < r.means.size(); ++k) {
-    const double begin = k > 0 ? r.means.time[k - 1] : before;
-    const double overlap = std::min(to, r.means.time[k]) - std::max(from, begin);
-    if (overlap > 0) sum += overlap * r.means.value[k];
-  }
-  return sum;
+  return r.means.size() == 0 ? impulse(r.curve, from, to) : impulse_of_means(r.means, from, to);
 }
 
 /// The peak over all steps within the span, where the run has told it; else that of its rows' extremes.

@@ -62,6 +62,16 @@ bool falls_towards(const Curve& c, const CurvePoint& first_peak, bool begins_wit
   return std::abs(c.value[static_cast<std::size_t>(after - 1)]) > std::abs(first_peak.value);
 }
 
+double impulse_of_means(const Curve& c, double from, double to) {
+  double sum = 0;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const double begin = k > 0 ? c.time[k - 1] : from;
+    const double overlap = std::min(to, c.time[k]) - std::max(from, begin);
+    if (overlap > 0) sum += overlap * c.value[k];
+  }
+  return sum;
+}
+
 double impulse(const Curve& c, double from, double to) {
   const Curve part = clip(c, from, to);
   double sum = 0;

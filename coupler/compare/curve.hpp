@@ -30,8 +30,11 @@ std::optional<CurvePoint> first_peak(const Curve&, double contact);
 /// sample.
 bool falls_towards(const Curve&, const CurvePoint& first_peak, bool begins_with_contact);
 double impulse(const Curve&, double from, double to);  // ∫ q dt, trapezoidal
-double mean(const Curve&, double from, double to);     // impulse / (to − from)
-double rms(const Curve&, double from, double to);  // √((1/T) ∫ q² dt), exact for the linear interpolant
+/// ∫ q dt of a quantity whose values are means since the sample before, as those of a load are. What the
+/// first sample tells of reaches back to `from`.
+double impulse_of_means(const Curve&, double from, double to);
+double mean(const Curve&, double from, double to);  // impulse / (to − from)
+double rms(const Curve&, double from, double to);   // √((1/T) ∫ q² dt), exact for the linear interpolant
 double noise(const Curve&, double from, double to);  // rms of q less its mean
 /// Slope of the least-squares line through the samples within [from, to] and the interpolated ends, as far as
 /// the record reaches. NaN for fewer than two.

@@ -91,7 +91,7 @@ std::map<std::string, double> metrics_of_column(const Table& history, const std:
   if (!contact) return metrics;
   put("first_peak", first_peak(curve, *contact));
   if (is_load(column) && curve.time.back() >= *contact + impulse_time)
-    metrics["impulse"] = impulse(curve, *contact, *contact + impulse_time);
+    metrics["impulse"] = impulse_of_means(curve, *contact, *contact + impulse_time);
   return metrics;
 }
 

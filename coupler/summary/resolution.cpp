@@ -57,7 +57,26 @@ struct Wetted {
   bool left = false, straight = false;  // straight: the face has one slope, as that of a wedge
   double rise = 0;                      // [m] of the water over its lowest point
   std::string dry;                      // why a body of no wetted width stays away
+  bool round = false;                   // half the width is a radius
 };
+
+/// Half the width along an axis of what a level water surface at height y would wet [m].
+double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  const auto take = [&](double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  };
+  for (Eigen::Index k = 0; k < body.position.cols(); ++k)
+    if (body.position(1, k) <= y) take(body.position(axis, k));
+  for (Eigen::Index f = 0; f < body.faces.cols(); ++f)
+    for (Eigen::Index k = 0; k < body.faces.rows(); ++k) {
+      const Eigen::Vector3d a = body.position.col(body.faces(k, f)),
+                            b = body.position.col(body.faces((k + 1) % body.faces.rows(), f));
+      if ((a.y() <= y) != (b.y() <= y)) take(a[axis] + (y - a.y()) / (b.y() - a.y()) * (b[axis] - a[axis]));
+    }
+  return high > low ? 0.5 * (high - low) : 0;
+}
 
 /// The least rise [m] of the water that wets half a width, up to a given rise; by bisection.
 double rise_that_wets(const InterfaceMesh& body, double lowest, double half, double rise) {
@@ -103,8 +122,29 @@ std::string why_late(const CaseView& view, const std::string& table, double spee
   return fmt::format("at {:.3g} m/s it does at t = {:.3g} s", speed, height / speed);
 }
 
-/// Nothing where the body does not come down on the water; half = 0 where it does not reach it. Water rises
-/// along an inclined face by π/2 of the depth (Wagner 1932).
+/// Whether a body in space is round where the water gets to: as wide along z as along x.
+bool is_round(const InterfaceMesh& body, double y) {
+  constexpr double slack = 0.1;  // of the width
+  if (body.dimension != 3) return false;
+  const double along_x = half_width_along(body, y, 0), along_z = half_width_along(body, y, 2);
+  return along_x > 0 && std::abs(along_z - along_x) <= slack * along_x;
+}
+
+/// Height to which the water rises along a face whose lowest point is `depth` under the level, by Wagner's
+/// condition (1932): that much of the face's height y(r) that r = c gives
+///   depth = (2/π) ∫ y(c sin θ) dθ        in the plane, and along a long body
+///   depth = ∫ y(c sin θ) sin θ dθ        of a round body,   θ from 0 to π/2.
+/// So it is π/2 of the depth at a wedge, 4/π at a cone, 3/2 at a sphere. A round body that is not straight is
+/// taken for a sphere.
+double rise_along_face(const InterfaceMesh& body, double lowest, double depth) {
+  const double wedge = 0.5 * std::numbers::pi * depth, cone = 4 * std::numbers::inv_pi * depth,
+               sphere = 1.5 * depth;
+  if (!is_round(body, lowest + cone)) return wedge;
+  const double half = half_width_below(body, lowest + cone);
+  return is_straight(body, lowest, half, cone) ? cone : sphere;
+}
+
+/// Nothing where the body does not come down on the water; half = 0 where it does not reach it.
 std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& moving, double level) {
   const auto& [name, body, velocity] = moving;
   const std::string table = table_named(name);
@@ -122,15 +162,16 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& movi
   if (!(way > 0)) return std::nullopt;
   const double depth = way - (lowest - level);
   if (!(depth > 0)) return Wetted{.dry = why_late(view, table, speed, lowest - level)};
-  const double rise = 0.5 * std::numbers::pi * depth, half = half_width_below(body, lowest + rise);
+  const double rise = rise_along_face(body, lowest, depth), half = half_width_below(body, lowest + rise);
   if (!(half > 0)) return Wetted{};
   const bool grows = half > 1.01 * half_width_below(body, lowest + 0.95 * rise);
-  if (grows) return Wetted{half, rise / half, false, is_straight(body, lowest, half, rise), rise, {}};
+  const bool round = is_round(body, lowest + rise);
+  if (grows) return Wetted{half, rise / half, false, is_straight(body, lowest, half, rise), rise, {}, round};
   // The outermost point may stand on the side above the face, half a plate's thickness higher.
   const double inner = 0.95 * half, whole = rise_that_wets(body, lowest, half, rise) / half,
                face = rise_that_wets(body, lowest, inner, rise) / inner;
   const double slope = whole > 2 * face ? face : whole;
-  return Wetted{half, slope, true, is_straight(body, lowest, inner, face * inner), rise, {}};
+  return Wetted{half, slope, true, is_straight(body, lowest, inner, face * inner), rise, {}, round};
 }
 
 /// Returns the spacings on half the wetted width that a jet of `jet` spacings needs, at least `least`:
@@ -153,8 +194,8 @@ std::string width_line(const Wetted& wetted, double spacing) {
       : count >= enough
           ? fmt::format("mean force to some 15 %, to 5 % from {:.0f} on", good)
           : fmt::format("too few for forces: {:.0f} give some 15 %, {:.0f} some 5 %", enough, good);
-  return fmt::format("{:.{}f} spacings on half the wetted width of {:.3g} m at the end: {}", count,
-                     count >= fine ? 0 : 1, wetted.half, judged);
+  return fmt::format("{:.{}f} spacings on {} of {:.3g} m at the end: {}", count, count >= fine ? 0 : 1,
+                     wetted.round ? "the wetted radius" : "half the wetted width", wetted.half, judged);
 }
 
 /// Spacings across the jet at the end, or where it leaves the face; nothing for faces without a thin jet. A
@@ -226,24 +267,6 @@ std::vector<std::string> sensor_lines(const CaseView& view, const InterfaceMesh&
   return lines;
 }
 
-/// Half the width along an axis of what a level water surface at height y would wet [m].
-double half_width_along(const InterfaceMesh& body, double y, Eigen::Index axis) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  const auto take = [&](double x) {
-    low = std::min(low, x);
-    high = std::max(high, x);
-  };
-  for (Eigen::Index k = 0; k < body.position.cols(); ++k)
-    if (body.position(1, k) <= y) take(body.position(axis, k));
-  for (Eigen::Index f = 0; f < body.faces.cols(); ++f)
-    for (Eigen::Index k = 0; k < body.faces.rows(); ++k) {
-      const Eigen::Vector3d a = body.position.col(body.faces(k, f)),
-                            b = body.position.col(body.faces((k + 1) % body.faces.rows(), f));
-      if ((a.y() <= y) != (b.y() <= y)) take(a[axis] + (y - a.y()) / (b.y() - a.y()) * (b[axis] - a[axis]));
-    }
-  return high > low ? 0.5 * (high - low) : 0;
-}
-
 /// Half the width of the widest of several hulls [m]; 0 where a body has one.
 double half_width_of_hulls(const InterfaceMesh& body, double y) {
   const auto hulls = hulls_at(body, y);
@@ -287,7 +310,7 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
     lines.push_back(begin + width_line(*wetted, *spacing));
     if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(begin + *jet);
     if (const auto hollow = hollow_line(view, body.mesh, *wetted)) lines.push_back(begin + *hollow);
-    if (const auto walls = blockage_line(view, body.mesh, wetted->half, *level))
+    if (const auto walls = blockage_line(view, body.mesh, wetted->half, *level, !wetted->left))
       lines.push_back(begin + *walls);
   }
   if (bodies.size() == 1)  // of several it is not known on which one a sensor sits

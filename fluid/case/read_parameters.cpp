@@ -4,7 +4,7 @@
 #include "fluid/case/tank_keys.hpp"
 #include "fluid/least_squares/compressible_layer.hpp"
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 
 #include <fmt/format.h>
 

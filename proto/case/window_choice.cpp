@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -154,18 +155,18 @@ double speed_of_free_body(const CaseFile& file, double end_time, double speed, d
   return height > 0 ? std::min(fall, std::sqrt(speed * speed + 2 * g * height)) : fall;
 }
 
-/// Largest speed that structure.motion.file gives the body up to end_time [m/s]; 0 where there is none. With
-/// a tank that moves as well, the speed against the water is not known. The structure's own program refuses a
-/// table that cannot be read.
-double speed_by_table(const CaseFile& file, double end_time) {
+/// The body's table of motion, structure.motion.file; nothing where there is none. With a tank that moves as
+/// well, the speed against the water is not known. The structure's own program refuses a table that cannot be
+/// read.
+std::optional<MotionTable> table_of(const CaseFile& file) {
   const std::string name = file.text_at("structure.motion.file");
   std::error_code ignored;
   const std::filesystem::path path = file.folder() / name;
-  if (name.empty() || tank_moves(file) || !std::filesystem::is_regular_file(path, ignored)) return 0;
+  if (name.empty() || tank_moves(file) || !std::filesystem::is_regular_file(path, ignored)) return {};
   try {
-    return read_motion(path).largest_speed(end_time);
+    return read_motion(path);
   } catch (const Error&) {
-    return 0;
+    return {};
   }
 }
 
@@ -191,15 +192,37 @@ double speed_against_water(const CaseFile& file) {
   return std::sqrt(square);
 }
 
-/// Speed of the body or of waves in the water [m/s].
-double speed_of(const CaseFile& file, const CommonKeys& keys, double by_table, double g) {
-  double speed =
-      std::max({norm_of(file, "structure.velocity", 0), norm_of(file, "structure.initial_velocity.value", 0),
-                by_table, speed_against_water(file)});
+/// How the body moves: by a table, and how far it reaches from the point that it turns about [m].
+struct Moves {
+  double by_table = 0;  // [m/s] its fastest point, at most
+  double reach = 0;     // 0: it does not turn
+};
+
+/// Speed of the body's fastest point, |v| + |ω| r, or of waves in the water [m/s].
+double speed_of(const CaseFile& file, const CommonKeys& keys, const Moves& moves, double g) {
+  const double turn = std::abs(first_of(file, "structure.angular_velocity", 0)) * moves.reach;
+  double speed = std::max({norm_of(file, "structure.velocity", 0) + turn,
+                           norm_of(file, "structure.initial_velocity.value", 0), moves.by_table,
+                           speed_against_water(file)});
   if (falls_free(file)) speed = speed_of_free_body(file, keys.end_time, speed, g);
   if (is_elastic(keys) || is_driven(file) || speed == 0)
     speed = std::max(speed, std::sqrt(g * depth_of(file)));
   return speed;
+}
+
+/// Sets the speeds of the choice. Returns whether the turn of the body makes the largest.
+bool find_speeds(const CaseFile& file, const CommonKeys& keys, double g, WindowChoice& choice) {
+  const std::optional<MotionTable> table = table_of(file);
+  const bool turns = norm_of(file, "structure.angular_velocity", 0) > 0 || (table && table->turns());
+  const auto moves = [&](double reach) {
+    return Moves{table ? table->largest_speed(keys.end_time, reach) : 0, reach};
+  };
+  const Moves whole = moves(turns ? reach_of_body(file) : 0);
+  choice.by_table = whole.by_table;
+  choice.from_rest = starts_at_rest(file, choice.by_table);
+  const double turned = speed_of(file, keys, whole, g), still = speed_of(file, keys, moves(0), g);
+  choice.speed = std::max(turned, still);  // a slow turn is no measure of waves
+  return turns && turned > still;
 }
 
 /// Takes the bound if it is shorter than those before, with its words.
@@ -209,11 +232,15 @@ void bound(WindowChoice& choice, double window, const std::string& why) {
   choice.why = why;
 }
 
-void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, double g, WindowChoice& choice) {
+void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, double g, bool by_turn,
+                   WindowChoice& choice) {
   if (choice.speed > 0)
     bound(choice, travel * l0 / choice.speed,
-          fmt::format("at {:.3g} m/s the body or the water moves a twentieth of a spacing in it",
-                      choice.speed));
+          by_turn ? fmt::format("the body's fastest point moves at {:.3g} m/s as it turns: a twentieth of a "
+                                "spacing in it",
+                                choice.speed)
+                  : fmt::format("at {:.3g} m/s the body or the water moves a twentieth of a spacing in it",
+                                choice.speed));
   if (g > 0)
     bound(choice, gravity_steps * 0.05 * std::sqrt(l0 / g), "four steps of the limit that gravity sets");
   if (!is_elastic(keys)) return;
@@ -266,9 +293,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   WindowChoice choice;
   choice.level = may_fall_level(file, keys);
   const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
-  choice.by_table = speed_by_table(file, keys.end_time);
-  choice.speed = speed_of(file, keys, choice.by_table, g);
-  choice.from_rest = starts_at_rest(file, choice.by_table);
+  const bool by_turn = find_speeds(file, keys, g, choice);
   const std::string& solver = keys.structure_solver;
   const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";
@@ -289,7 +314,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   } else {
     choice.window = keys.end_time / rows;
     choice.why = fmt::format("{:g} rows of the history", rows);
-    bound_by_body(file, keys, l0, g, choice);
+    bound_by_body(file, keys, l0, g, by_turn, choice);
     bound_by_layers(file, keys, l0, choice);
   }
   const double every = first_of(file, "output.every", 0);

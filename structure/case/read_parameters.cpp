@@ -1,7 +1,7 @@
 #include "structure/case/read_parameters.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "structure/body/size.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/body/wall.hpp"
@@ -322,7 +322,7 @@ void check_together(CaseFile& file, const CommonKeys& common, CaseTable structur
     throw structure.error("analysis", "dynamic or modal: without enough supports there is no equilibrium",
                           p.shape.kind == ShapeKind::plate
                               ? "structure.plate.supports = { left = \"clamped\", right = \"clamped\" }"
-                              : "supports = { left = \"clamped\" } in a structure.box");
+                              : "[[structure.support]] with on = \"left\" and kind = \"clamped\"");
   if (p.load.kind == LoadKind::traction) check_face(structure.table("load"), p);
   if (p.kind == "particle") check_lattice(file, structure, common, p);
   if (p.kind == "fem" || p.kind == "ccx") check_fem(structure.table("fem"), p);

@@ -47,9 +47,11 @@ void FemSolver<dim>::solve_static() {
     }
     part /= 2;
     if (part < smallest_part)
-      throw Error(ExitCode::solver_fault, "structure (fem), static",
-                  fmt::format("no equilibrium found beyond {:.0f} % of the load", 100 * done),
-                  "lower structure.load.value, or hold both ends: structure.plate.supports");
+      throw Error(
+          ExitCode::solver_fault, "structure (fem), static",
+          fmt::format("no equilibrium found beyond {:.0f} % of the load", 100 * done),
+          "lower structure.load.value, or hold the body in more places: structure.plate.supports, the "
+          "supports of a structure.box, or [[structure.support]]");
   }
   state_.displacement = u;
   state_.velocity.setZero();

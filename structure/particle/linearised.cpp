@@ -80,8 +80,9 @@ class SaddlePointSolver {
     whole.setFromTriplets(entries.begin(), entries.end());
     factors_.compute(whole);
     if (factors_.info() != Eigen::Success)
-      throw Error(ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
-                  "hold the body: structure.plate.supports, or supports of a structure.box");
+      throw Error(
+          ExitCode::solver_fault, "structure, particle", "the stiffness matrix is singular",
+          "hold it: structure.plate.supports, the supports of a structure.box, or [[structure.support]]");
   }
   /// x of each column of b.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const {

@@ -90,6 +90,12 @@ TEST(MotionTable, ItsLargestSpeedIsThatUpToATime) {
   EXPECT_EQ(table.largest_speed(9), 8);
 }
 
+TEST(MotionTable, ItsTurnMovesWhatLiesFarFromTheOrigin) {
+  const MotionTable table({0, 1, 2}, {rate, absent, absent, rate}, {{{1, 3, 3}, {}, {}, {0, -20, 5}}});
+  EXPECT_EQ(table.largest_speed(2), 3);
+  EXPECT_EQ(table.largest_speed(2, 0.4), 3 + 8);
+}
+
 TEST(MotionTable, BeyondItsEndsItGoesOnWithTheSpeedThere) {
   const MotionTable table({1, 2}, {place, rate, absent, absent}, {{{0, 3}, {2, 4}, {}, {}}});
   EXPECT_NEAR(table.at(3).displacement.x(), 6, 1e-14);

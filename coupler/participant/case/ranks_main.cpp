@@ -1,6 +1,6 @@
 #include "coupler/participant/case/declared_case.hpp"
 #include "coupler/participant/start_ranks.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "proto/error.hpp"
 #include "proto/ranks/rank_watch.hpp"
 #include "proto/ranks/ranked_participant.hpp"

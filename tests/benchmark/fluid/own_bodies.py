@@ -180,6 +180,17 @@ def panels(l0):
     return plane("panels", 0.4, l0, 0.0085, body, 0.424), {"panels.inp": text}, read
 
 
+def flap(l0):
+    """0.4 m long, 40 mm thick, level; it turns down about its left end at 20 rad/s. Its right end meets the level first."""
+    gap = 0.6 * l0
+    corners = [(-0.2, gap), (0.2, gap), (0.2, gap + 0.04), (-0.2, gap + 0.04)]
+    body = outline(corners, 0, f"pivot = [-0.2, {gap}]\nangular_velocity = -20")
+
+    def read(run):
+        return "impulse at 1, 1.5, 2 ms " + ", ".join(f"{impulse(run, 0, t):.0f}" for t in (1e-3, 1.5e-3, 2e-3)) + " N s/m (Wagner 47, 149, 204)"
+    return plane("flap", 0.4, l0, 0.01, body, 0.5), {}, read
+
+
 def barge(l0):
     """0.8 m wide, 0.25 m high, 80 kg/m, so 0.1 m deep; let go at 5 degrees in water 1.2 m deep and 3.2 m wide."""
     body = ('solver = "rigid"\nmass = 80\nfree = { x = true, y = true, angle = true }\n'
@@ -225,7 +236,7 @@ def post_read(run):
 
 
 PLANE = {"wedge": (wedge_10, 0.005), "slow": (wedge_slow, 0.0125), "section": (section, 0.005), "catamaran": (catamaran, 0.005), "keel": (keeled, 0.005),
-         "heeled": (heeled, 0.005), "bow": (bow, 0.005), "panels": (panels, 0.008), "barge": (barge, 0.02), "step": (step_of_water, 0.01)}
+         "heeled": (heeled, 0.005), "bow": (bow, 0.005), "panels": (panels, 0.008), "barge": (barge, 0.02), "flap": (flap, 0.01), "step": (step_of_water, 0.01)}
 SPACE = {"cone": (lambda: turned([(0, 0), (0.2, 0.2 * tan(30)), (0.2, 0.2 * tan(30) + 0.05), (0, 0.2 * tan(30) + 0.05)]), [], cone_read),
          "side": (lambda: [tuple((y, x, z) for x, y, z in t)[::-1] for t in turned([(0, -0.2), (0.1, -0.2), (0.1, 0.2), (0, 0.2)])], [], side_read),
          "post": (lambda: turned([(0, 0), (0.1, 0), (0.1, 0.4), (0, 0.4)]), [], post_read),

@@ -3,7 +3,7 @@
 #include "coupler/case/rank_threads.hpp"
 
 #include "proto/case/case_file.hpp"
-#include "proto/case/rank_threads.hpp"
+#include "proto/case/case_keys.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <fmt/format.h>

@@ -245,6 +245,21 @@ TEST(Compare, JudgesAWindowFromTheHistoryOnceItIsOver) {
   EXPECT_EQ(*judge(largest, data).front().value, 5);
 }
 
+// Each row has the mean force of its window: 0.1 (1 + 2 + 6) from 0.1 s on, not the 0.6 of straight lines.
+TEST(Compare, ImpulseOfALoadIsThatOfItsWindows) {
+  Table table;
+  table.columns = {{"window", "1"}, {"time", "s"}, {"left.force.y", "N/m"}, {"u.y", "m"}};
+  table.value = {{1, 2, 3, 4}, {0.1, 0.2, 0.3, 0.4}, {0, 1, 2, 6}, {0, 1, 2, 6}};
+  const RunData data = {{}, &table, 0.4, true};
+  const auto measured = [&](const std::string& probe, const std::string& metric) {
+    CompareBlock block = block_of(probe, metric, 1, 1);
+    block.window = {"start", 0.1, 0.4};
+    return *judge(block, data).front().value;
+  };
+  EXPECT_NEAR(measured("left.force.y", "impulse"), 0.9, 1e-12);
+  EXPECT_NEAR(measured("u.y", "impulse"), 0.6, 1e-12);
+}
+
 TEST(Compare, PrefersTheStepwiseImpulseOfTheProbeForItsOwnWindow) {
   const Table table = history();
   const RunData data = {{{"p:contact", 0.25}, {"p:impulse", 1290}}, &table, 0.3, false};

@@ -66,6 +66,42 @@ TEST(Resolution, TheNarrowerWidthOfABodyInSpaceCounts) {
   EXPECT_NEAR(half_width_below(strip, 0.01), 1, 1e-12);
 }
 
+/// A pyramid of n sides, its apex at the still level, or a bowl y = r²/2R with radius > 0; falls at 6 m/s.
+Wedge turned(double half, double slope, int n, double radius = 0) {
+  constexpr int rings = 20;
+  Wedge body(half, slope);
+  body.mesh.dimension = 3;
+  body.mesh.position.setZero(3, rings * n + 1);
+  body.mesh.faces.resize(3, 2 * rings * n);
+  Eigen::Index face = 0;
+  for (int k = 0; k < rings; ++k)
+    for (int i = 0; i < n; ++i) {
+      const double r = half * (k + 1) / rings, angle = 2 * std::numbers::pi * i / n;
+      body.mesh.position.col(1 + k * n + i) << r * std::cos(angle),
+          radius > 0 ? 0.5 * r * r / radius : slope * r, r * std::sin(angle);
+      const int next = (i + 1) % n, below = (k - 1) * n + 1, here = k * n + 1;
+      body.mesh.faces.col(face++) << here + i, here + next, k == 0 ? 0 : below + i;
+      body.mesh.faces.col(face++) << here + next, k == 0 ? 0 : below + next, k == 0 ? 0 : below + i;
+    }
+  body.velocity = Points::Zero(3, body.mesh.position.cols());
+  body.velocity.row(1).setConstant(-6);
+  return body;
+}
+
+// V t = 0.06 m at 0.01 s. Wagner's wetted radius of a cone of 45 degrees is 4/π of it, that of a bowl √(3 R V
+// t). A pyramid that is twice as long as wide is taken for a wedge, π/2 of V t wide.
+TEST(Resolution, ARoundBodyHasItsWettedRadius) {
+  const Wedge cone = turned(0.2, 1, 32), bowl = turned(0.2, 0, 32, 0.2);
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.01), cone.mesh, cone.velocity),
+                   "15.3 spacings on the wetted radius of 0.0764 m at the end"));
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.01), bowl.mesh, bowl.velocity),
+                   "spacings on the wetted radius of 0.19 m at the end"));
+  Wedge hull = cone;
+  hull.mesh.position.row(2) *= 2;
+  EXPECT_TRUE(says(resolution_lines(case_with(0.005, 0.01), hull.mesh, hull.velocity),
+                   "18.8 spacings on half the wetted width of 0.0942 m at the end"));
+}
+
 // Two hulls 0.2 m wide, 0.6 m apart, under a deck: what lies between them is air.
 TEST(Resolution, TheWidthOfACatamaranIsThatOfAHull) {
   InterfaceMesh catamaran;
@@ -202,7 +238,22 @@ TEST(Resolution, BlockageIsThatOfImagesInWallsAndFloor) {
   EXPECT_EQ(blockage(1, 1, far, far), far);
 }
 
-// Half the wetted width is 0.196 m: walls at 1 m and a floor 0.75 m below add 3 %, walls at 0.3 m add 23 %.
+// A share s of a plate's added mass, in far walls, is 5/3 s of a wedge's impulse and 10/3 s of its force: its
+// wetted width grows faster. Walls that the water reaches leave it no room.
+TEST(Resolution, BlockageOfAWedgeCountsTheWaterThatRisesFaster) {
+  const double far = std::numeric_limits<double>::infinity(), pi2 = std::numbers::pi * std::numbers::pi;
+  EXPECT_EQ(blockage_of_entry(1, far, far, far).force, 0);
+  EXPECT_NEAR(blockage_of_entry(1, 20, 20, far).impulse, 5 * pi2 / 72 / 400, 1e-5);
+  EXPECT_NEAR(blockage_of_entry(1, 20, 20, far).force, 10 * pi2 / 72 / 400, 2e-5);
+  EXPECT_NEAR(blockage_of_entry(1, far, far, 20).force, 10 * pi2 / 144 / 400, 1e-5);
+  EXPECT_NEAR(blockage_of_entry(1, 2, 2, far).impulse, 0.2359, 1e-4);
+  EXPECT_NEAR(blockage_of_entry(1, 2, 2, far).force, 0.5662, 1e-4);
+  EXPECT_NEAR(blockage_of_entry(1, far, far, 1).impulse, 0.3115, 1e-3);
+  EXPECT_NEAR(blockage_of_entry(1, far, far, 1).force, 0.5936, 1e-3);
+  EXPECT_EQ(blockage_of_entry(1, 1.27, 1.27, far).force, far) << "W < 4/pi";
+}
+
+// Half the wetted width is 0.196 m: walls at 1 m and a floor 0.75 m below add 5 % to the impulse.
 TEST(Resolution, SaysThatWallsAreNear) {
   const Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
   CaseView view = case_with(0.005, 0.012);
@@ -211,21 +262,27 @@ TEST(Resolution, SaysThatWallsAreNear) {
   view.value["fluid.tank"] = "[[-0.3, -0.75, 0], [0.3, 0.5, 0]]";
   EXPECT_TRUE(
       says(resolution_lines(view, wedge.mesh, wedge.velocity),
-           "walls 1.5 and floor 3.8 half wetted widths away: they raise the force by some 26 %, by 4 % "
-           "where each is 4 away"));
+           "walls 1.5 and floor 3.8 half wetted widths away: they raise the impulse by some 60 % and the "
+           "force at the end to more than twice, by 7 and 14 % where each is 4 away"));
   view.value["fluid.periodic"] = "[\"x\"]";
   EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "widths away"));
   view.value["fluid.tank"] = "[[-0.3, -0.1, 0], [0.3, 0.5, 0]]";
   EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity),
-                   "floor 0.51 half wetted widths away: they raise"));
+                   "floor 0.51 half wetted widths away: they raise the impulse by some 98 % and"));
   view.value["fluid.periodic"] = "[]";
   view.value["fluid.tank"] = "[[-0.2, -0.75, 0], [0.2, 0.5, 0]]";
-  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "the force to more than twice"));
+  EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "the impulse to more than twice"));
   view.value["fluid.tank"] = "[[-0.3, -0.75, 0], [0.3, 0.5, 0]]";
   view.value["fluid.sound_speed"] = "100";  // 0.6 m before the end, there and back
   EXPECT_TRUE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "walls 1.5 half wetted"));
   view.value["fluid.sound_speed"] = "10";
   EXPECT_FALSE(says(resolution_lines(view, wedge.mesh, wedge.velocity), "widths away"));
+  const Wedge plate(0.2, 0);  // its width grows no more: a share of the added mass
+  view.value["fluid.sound_speed"] = "1500";
+  EXPECT_TRUE(
+      says(resolution_lines(view, plate.mesh, plate.velocity),
+           "walls 1.5 and floor 3.8 half wetted widths away: they raise the impulse by some 28 %, by 4 % "
+           "where each is 4 away"));
 }
 
 TEST(Resolution, CountsSpacingsThroughTheJet) {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -186,6 +187,69 @@ TEST(WindowChoice, FollowsATableOfMotion) {
       << "the tank moves too";
   put(folder / "ramp.csv", "t [s]\n0,0\n");
   EXPECT_NEAR(read_with(section).chosen.speed, 2.215, 1e-3) << "the structure's program refuses the table";
+}
+
+// A flap of 0.4 m that turns about its left end, at 20 rad/s: its other end moves at 8 m/s.
+TEST(WindowChoice, FollowsTheFastestPointOfABodyThatTurns) {
+  const Sets flap = {"structure.solver=rigid", "structure.outline=[[0,0.1],[0.4,0.1],[0.4,0.12],[0,0.12]]",
+                     "structure.pivot=[0,0.1]"};
+  const double still = window_with(flap);
+  const WindowChoice turned = read_with(with(flap, {"structure.angular_velocity=-20"})).chosen;
+  EXPECT_EQ(still, 2e-4);
+  EXPECT_NEAR(turned.speed, 20 * std::hypot(0.4, 0.02), 1e-12);
+  EXPECT_EQ(turned.window, 5e-5) << "0.05 l0/U = 6.2e-5 s";
+  EXPECT_NE(turned.why.find("the body's fastest point moves at 8.01 m/s"), std::string::npos) << turned.why;
+  EXPECT_NEAR(
+      read_with(with(flap, {"structure.angular_velocity=20", "structure.velocity=[0,-5]"})).chosen.speed,
+      5 + turned.speed, 1e-12);
+  EXPECT_EQ(window_with(with(flap, {"structure.angular_velocity=0.1"})), still) << "slower than waves";
+}
+
+TEST(WindowChoice, ATableOfAnglesMovesTheFastestPoint) {
+  const TemporaryFolder folder;
+  put(folder / "turn.csv", "t [s],rate [rad/s],vy [m/s]\n0,0,-1\n0.001,-20,-1\n0.1,-20,-1\n");
+  const Sets box = {"structure.solver=rigid", "structure.outline=[[0,0.1],[0.4,0.1],[0.4,0.12],[0,0.12]]",
+                    "structure.pivot=[0,0.1]", "structure.motion.file=" + (folder / "turn.csv").string()};
+  const WindowChoice turned = read_with(box).chosen;
+  EXPECT_NEAR(turned.by_table, 1 + 20 * std::hypot(0.4, 0.02), 1e-12);
+  EXPECT_EQ(turned.window, 5e-5);
+  EXPECT_NE(turned.why.find("fastest point"), std::string::npos) << turned.why;
+  EXPECT_TRUE(turned.from_rest);
+  put(folder / "turn.csv", "t [s],vy [m/s]\n0,-1\n0.1,-1\n");
+  EXPECT_EQ(read_with(box).chosen.why.find("fastest point"), std::string::npos);
+}
+
+// The farthest point from the axis, of every shape that a case can give.
+TEST(WindowChoice, KnowsHowFarABodyReaches) {
+  const TemporaryFolder folder;
+  const auto reach = [](const Sets& sets) {
+    return reach_of_body(CaseFile::parse(water, "case.toml", sets));
+  };
+  const Sets wedge = {"structure.wedge={deadrise=45, width=0.6, height=0.4, apex=[1,0]}"},
+             box = {"structure.box=[{min=[0,0],max=[3,4]}]", "structure.pivot=[0,0]"};
+  EXPECT_NEAR(reach(with(wedge, {"structure.pivot=[1,0]"})), 0.5, 1e-12);
+  EXPECT_NEAR(reach(wedge), std::hypot(0.3, 0.2), 1e-12) << "about the middle";
+  EXPECT_NEAR(reach(with(wedge, {"structure.centre_of_gravity=[1,0.4]"})), 0.4, 1e-12);
+  EXPECT_NEAR(reach(box), 5, 1e-12);
+  EXPECT_NEAR(reach(with(box, {"structure.placed={scale=0.1, angle=30}"})), 0.5, 1e-12);
+  EXPECT_NEAR(reach(with(box, {"structure.placed={move=[3,4]}"})), 10, 1e-12);
+  EXPECT_NEAR(reach({"structure.plate={length=0.8, thickness=0.3, bottom=[2,1]}", "structure.pivot=[2,1]"}),
+              0.5, 1e-12);
+  EXPECT_NEAR(
+      reach({"structure.plate={length=0.8, thickness=0.3, bottom=[2,1], angle=20}", "structure.pivot=[2,1]"}),
+      0.5, 1e-12);
+  EXPECT_EQ(reach({"structure.cylinder={radius=0.2, centre=[0,1]}"}), 0) << "turns within its surface";
+  EXPECT_NEAR(reach({"structure.cylinder={radius=0.2, centre=[0,1]}", "structure.pivot=[0,0]"}), 1, 1e-12);
+  put(folder / "hull.csv", "station [m],height [m],half_breadth [m]\n0,0,0\n0,0.4,0.3\n1,0,9\n");
+  EXPECT_NEAR(reach({"structure.offsets=" + (folder / "hull.csv").string(), "structure.station=0",
+                     "structure.pivot=[0,0]"}),
+              0.5, 1e-12);
+  put(folder / "two.stl",
+      "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 3 4 9\n"
+      "vertex 1 0 0\nendloop\nendfacet\nendsolid a\n");
+  EXPECT_NEAR(reach({"structure.mesh=" + (folder / "two.stl").string(), "structure.pivot=[0,0,5]"}), 5, 1e-6);
+  EXPECT_EQ(reach({"structure.mesh=nothing.msh"}), 0);
+  EXPECT_EQ(reach({"structure.solver=./own"}), 0);
 }
 
 TEST(WindowChoice, FollowsTheStructure) {

@@ -3,6 +3,7 @@
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 #include "structure/body/parameters.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -125,6 +126,34 @@ TEST(StructureKeys, WrongValuesAreRefusedWithWhatWasExpected) {
        "strains of its displacement alone");
   says(complaint("fem", {}, "[[output.probe]]\nname = \"mid\"\nof = \"structure\"\nat = [0.0, -0.1, 0.0]\n"),
        "outside the plate");
+}
+
+// A mesh has no structure.plate and no structure.box: what holds it is a [[structure.support]].
+TEST(StructureKeys, AMeshWithoutSupportsIsToldOfKeysThatItHas) {
+  const TemporaryFolder folder;
+  put(folder / "a.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.1 0 0\n3 0.1 0.1 0\n4 0 0.1 0\n"
+      "$EndNodes\n$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n");
+  const auto refusal = [](const std::string& shape, const std::string& more) {
+    try {
+      CaseFile file = CaseFile::parse(
+          "end_time = 1\n[fluid]\nsolver = \"none\"\nspacing = 0.01\n[structure]\n"
+          "analysis = \"static\"\n" +
+          shape + more);
+      read(file, "particle");
+    } catch (const Error& e) {
+      return to_text(e);
+    }
+    return std::string();
+  };
+  const std::string mesh = "mesh = \"" + (folder / "a.msh").string() + "\"\n";
+  const std::string text = refusal(mesh, "");
+  EXPECT_NE(text.find("no equilibrium"), std::string::npos) << text;
+  EXPECT_NE(text.find("[[structure.support]] with on = \"left\" and kind = \"clamped\""), std::string::npos)
+      << text;
+  EXPECT_EQ(
+      refusal(mesh, "[[structure.support]]\non = \"left\"\nkind = \"clamped\"\n").find("no equilibrium"),
+      std::string::npos);
 }
 
 TEST(StructureKeys, AProbeOfStressIsNoHindranceToASolverWithoutStress) {
