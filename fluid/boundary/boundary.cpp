@@ -37,7 +37,6 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
                         State<dim>& tank)
     : spacing_(p.spacing),
       water_density_(p.density),
-      knuckles_(p.submerged ? knuckles_under_water : Knuckles{}),
       reach_(largest_reach(p)),
       counting_radius_(p.scheme.radius_density * p.spacing),
       tank_(p, reach_, tank),
@@ -49,7 +48,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
     if (volume_)
       add_solids(partner, initial_velocity, tank);
     else
-      add_layers(partner, tank);
+      add_layers(partner, p.submerged ? knuckles_under_water : Knuckles{}, tank);
   }
   const auto n = tank.position.cols();
   point_of_.resize(static_cast<std::size_t>(n - bodies_), -1);
@@ -249,8 +248,7 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
   if ((i_row || j_row) && other >= water_) return false;
   if constexpr (dim == 2) {
     if (i_row || j_row)
-      return body_surface_.crosses(body_surface_.edge_of(point_of(row)), state.position.col(other),
-                                   state.position.col(row));
+      return body_surface_.crosses(point_of(row), state.position.col(other), state.position.col(row));
     if (around) return way_around(state, i, j) < reach_;
     return !body_surface_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
   } else {

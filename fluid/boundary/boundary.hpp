@@ -187,7 +187,7 @@ class Boundary {
   void for_each_straight_way(const State<dim>&, std::int64_t a, std::int64_t b, const Visit&) const;
   /// Whether the body lies between two particles that are not of the body; in space.
   bool separates(const State<dim>&, std::int64_t a, std::int64_t b) const;
-  void add_layers(const InterfaceMesh& partner, State<dim>&);
+  void add_layers(const InterfaceMesh& partner, const Knuckles&, State<dim>&);
   void place_layers(State<dim>&, bool positions) const;
   void check_place(const State<dim>&, const Points& place) const;
   void go_beyond(const BodySurface2d::Edge&, bool at_end);
@@ -196,7 +196,6 @@ class Boundary {
   void check_reach() const;
 
   double spacing_, water_density_;
-  Knuckles knuckles_;               // turns of bodies that end no face
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]
   Tank<dim> tank_;
   InterfaceMesh mesh_;

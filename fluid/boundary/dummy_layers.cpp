@@ -27,9 +27,9 @@ void append(State<dim>& state, Kind kind, std::size_t count) {
 }  // namespace
 
 template <int dim>
-void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) {
+void Boundary<dim>::add_layers(const InterfaceMesh& partner, const Knuckles& knuckles, State<dim>& state) {
   if constexpr (dim == 3) {
-    body_surface_ = BodySurface3d(partner, spacing_, reach_, knuckles_);
+    body_surface_ = BodySurface3d(partner, spacing_, reach_, knuckles);
     mesh_ = body_surface_.mesh();
     const auto m = static_cast<std::size_t>(body_surface_.points()),
                rows = body_surface_.layer_particles().size();
@@ -40,7 +40,7 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, State<dim>& state) 
     const Points zero = Points::Zero(3, mesh_.position.cols());
     move(state, zero, zero, true);
   } else {
-    body_surface_ = BodySurface2d(partner, spacing_, knuckles_);
+    body_surface_ = BodySurface2d(partner, spacing_, knuckles);
     mesh_ = body_surface_.mesh();
     layers_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
     const int m = body_surface_.points();
@@ -158,11 +158,11 @@ void Boundary<dim>::check_overlap(const State<dim>& state) const {
   }
 }
 
-#define STRAKE_INSTANTIATE(dim)                                                              \
-  template void Boundary<dim>::add_layers(const InterfaceMesh&, State<dim>&);                \
-  template void Boundary<dim>::add_solids(const InterfaceMesh&, const Points&, State<dim>&); \
-  template void Boundary<dim>::find_masters(const State<dim>&);                              \
-  template void Boundary<dim>::check_reach() const;                                          \
+#define STRAKE_INSTANTIATE(dim)                                                                \
+  template void Boundary<dim>::add_layers(const InterfaceMesh&, const Knuckles&, State<dim>&); \
+  template void Boundary<dim>::add_solids(const InterfaceMesh&, const Points&, State<dim>&);   \
+  template void Boundary<dim>::find_masters(const State<dim>&);                                \
+  template void Boundary<dim>::check_reach() const;                                            \
   template void Boundary<dim>::check_overlap(const State<dim>&) const;
 STRAKE_INSTANTIATE(2)
 STRAKE_INSTANTIATE(3)

@@ -68,9 +68,11 @@ class BodySurface2d {
   Vector2 low() const { return whole_.low; }     // bounding box
   Vector2 high() const { return whole_.high; }
 
-  /// Whether the segment a–b crosses that edge. Corners count for the edge that owns them.
-  bool crosses(int edge, const Vector2& a, const Vector2& b) const {
-    return crosses(edge, a, b, Corners::owned);
+  /// Whether the segment a–b crosses the edge of that wet point, on a piece that turns from the point's by
+  /// less than 90 degrees: both sides of a thin body with a round end are one edge. Corners count for the
+  /// edge that owns them.
+  bool crosses(int point, const Vector2& a, const Vector2& b) const {
+    return crosses_edge(edge_of(point), a, b, Corners::owned, point);
   }
   /// Whether it crosses any edge, corners included. The first piece beside a corner sharper than 86° does not
   /// count: the tip is thinner than a spacing there, and water on its two sides stays as near as it was
@@ -124,7 +126,7 @@ class BodySurface2d {
   };
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
-  bool crosses(int edge, const Vector2& a, const Vector2& b, Corners) const;
+  bool crosses_edge(int edge, const Vector2& a, const Vector2& b, Corners, int before = -1) const;
   void add_edges(const Outline&);
   void add_pieces(const Outline&, std::size_t begin, std::size_t end, Edge&);
   void connect(std::size_t first_edge);

@@ -64,7 +64,8 @@ std::pair<int, int> BodySurface2d::pieces_beside(int r, const Vector2& a, const 
           static_cast<int>(std::clamp(std::ceil(std::max(sa, sb)) + 1, 0.0, last))};
 }
 
-bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners corners) const {
+bool BodySurface2d::crosses_edge(int r, const Vector2& a, const Vector2& b, Corners corners,
+                                 int before) const {
   const Box pair{a.cwiseMin(b), a.cwiseMax(b)};
   const auto k = static_cast<std::size_t>(r);
   if (!pair.meets(box_[k])) return false;
@@ -74,13 +75,14 @@ bool BodySurface2d::crosses(int r, const Vector2& a, const Vector2& b, Corners c
     if (edge.start_angle < sharp_angle) begin = std::max(begin, 1);
     if (edge.end_angle < sharp_angle) end = std::min(end, edge.count - 1);
   }
-  const bool owned = corners == Corners::owned && !edge.closed;
+  const bool owned = corners == Corners::owned && !edge.closed, bends = before >= 0 && !edge.plane;
   for (int i = begin; i < end; ++i) {
     if (!is_even_[k] && i % block == 0 &&
         !pair.meets(block_box_[first_block_[k] + static_cast<std::size_t>(i / block)])) {
       i += block - 1;
       continue;
     }
+    if (bends && !(normal_.col(edge.first + i).dot(normal_.col(before)) > 0)) continue;
     const bool from_corner = owned && i == 0 && !edge.owns_start;
     const bool to_corner = owned && i == edge.count - 1 && !edge.owns_end;
     if (crosses_piece(edge.vertex + i, a, b, from_corner ? tie : -tie, to_corner ? 1 - tie : 1 + tie))
@@ -104,7 +106,7 @@ bool BodySurface2d::crosses_piece(int vertex, const Vector2& a, const Vector2& b
 
 bool BodySurface2d::separates(const Vector2& a, const Vector2& b) const {
   for (int r = 0; r < static_cast<int>(edges_.size()); ++r)
-    if (crosses(r, a, b, Corners::without_tips)) return true;
+    if (crosses_edge(r, a, b, Corners::without_tips)) return true;
   return false;
 }
 
@@ -112,7 +114,7 @@ double BodySurface2d::way_around(const Vector2& a, const Vector2& b) const {
   constexpr double none = std::numeric_limits<double>::infinity();
   int first = -1, second = -1;
   for (int r = 0; r < static_cast<int>(edges_.size()); ++r) {
-    if (!crosses(r, a, b, Corners::all)) continue;
+    if (!crosses_edge(r, a, b, Corners::all)) continue;
     if (second >= 0) return none;
     (first < 0 ? first : second) = r;
   }

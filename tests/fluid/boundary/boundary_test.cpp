@@ -65,14 +65,15 @@ TEST(BodySurface2d, APlaceInsideIsSeenThroughExactlyOneFace) {
     const Eigen::Vector2d from(x(generator), y(generator)), to(within_x(generator), within_y(generator));
     if (outline.inside(from) || (from - to).norm() > 0.031) continue;
     int faces = 0;
-    for (int run = 0; run < 4; ++run) faces += outline.crosses(run, from, to) ? 1 : 0;
+    for (const auto& run : outline.edges()) faces += outline.crosses(run.first, from, to) ? 1 : 0;
     ASSERT_EQ(faces, 1) << from.transpose() << " to " << to.transpose();
     ++seen;
   }
   EXPECT_GT(seen, 500);
   // Through the very corner: still once.
   int faces = 0;
-  for (int run = 0; run < 4; ++run) faces += outline.crosses(run, {-0.205, -0.005}, {-0.195, 0.005}) ? 1 : 0;
+  for (const auto& run : outline.edges())
+    faces += outline.crosses(run.first, {-0.205, -0.005}, {-0.195, 0.005}) ? 1 : 0;
   EXPECT_EQ(faces, 1);
 }
 

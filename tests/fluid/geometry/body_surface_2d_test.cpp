@@ -70,7 +70,7 @@ bool is_seen(const BodySurface2d& outline, int point, double distance, double as
   const Eigen::Vector2d n = outline.normal(point), along(-n.y(), n.x()),
                         behind = outline.point(point) - 0.5 * l0 * n,
                         from = outline.point(point) + distance * n + aside * along;
-  return outline.crosses(outline.edge_of(point), from, behind);
+  return outline.crosses(point, from, behind);
 }
 
 // The pieces of a bent edge do not follow one another along its chord.
@@ -92,6 +92,26 @@ TEST(BodySurface2d, WaterBeforeAPieceLiesOverItsFace) {
       EXPECT_GE(outline.within(outline.edge_of(k), outline.point(k) + 0.5 * l0 * outline.normal(k)), 0)
           << outline.point(k).transpose();
   }
+}
+
+TEST(BodySurface2d, WaterOnOneSideOfAThinRoundBodySeesNoLayerOfTheOther) {
+  Places body;  // three spacings thick, its ends are half rounds of sides of 36 degrees
+  const double r = 1.5 * l0;
+  for (int k = 0; k < 12; ++k) {
+    const double angle = (k < 6 ? 180 + 36 * k : 36 * (k - 6)) / 180.0 * std::numbers::pi;
+    body.emplace_back(r * std::cos(angle), (k < 6 ? -0.1 : 0.1) + r * std::sin(angle));
+  }
+  const BodySurface2d outline(polygon(body), l0);
+  ASSERT_EQ(outline.edges().size(), 1u);
+  int seen = 0;
+  for (int k = 0; k < outline.points(); ++k) {
+    if (std::abs(outline.point(k).y()) > 0.08) continue;
+    const Eigen::Vector2d n = outline.normal(k), behind = outline.point(k) - 1.5 * l0 * n,
+                          other_side = outline.point(k) - (2 * r + 0.5 * l0) * n;
+    seen += outline.crosses(k, outline.point(k) + 0.5 * l0 * n, behind) ? 1 : 0;
+    EXPECT_FALSE(outline.crosses(k, other_side, behind)) << outline.point(k).transpose();
+  }
+  EXPECT_GT(seen, 20);
 }
 
 TEST(BodySurface2d, AKnuckleDividesStretchesAndStaysInItsPlace) {
