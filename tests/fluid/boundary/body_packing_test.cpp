@@ -224,6 +224,21 @@ TEST(BodyPacking, FacesAboveTheLevelAreDryAtTheStart) {
   for (const double x : {0.05, 0.08, 0.1, 0.2}) EXPECT_TRUE(is_dry(x * along + 0.5 * spacing * into)) << x;
 }
 
+/// Least and largest force upwards [N/m] on a hull that is held at rest, after `first` steps.
+std::pair<double, double> range_of_force(const Parameters& p, const InterfaceMesh& hull, double dt, int steps,
+                                         int first) {
+  Simulation<2> simulation(p, hull, Points::Zero(3, hull.position.cols()));
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int step = 0; step < steps; ++step) {
+    simulation.step(dt, held(simulation));
+    if (step < first) continue;
+    const double force = simulation.interface_force().row(1).sum();
+    least = std::min(least, force);
+    most = std::max(most, force);
+  }
+  return {least, most};
+}
+
 // Water moves a little at the line where hull and level meet. Each time that a face there became wet or dry,
 // a lack of volume of a tenth began or ceased to count at once: forces of -3260 to 5630 N/m on a hull that
 // displaces 395.
@@ -232,17 +247,9 @@ TEST(BodyPacking, ATrimmedHullAtRestCarriesItsBuoyancyWithoutBlows) {
   Parameters p = tank_case(3.2, 0.8, spacing, 0.4);
   p.submerged = true;
   const InterfaceMesh hull = trimmed_hull(1.6, spacing);
-  Simulation<2> simulation(p, hull, Points::Zero(3, hull.position.cols()));
   // The part under the level: a triangle of 0.96 m along the bottom, and 0.96 tan 5° across.
   const double buoyancy = 1000 * g * 0.5 * 0.96 * 0.96 * std::tan(5 * std::numbers::pi / 180);
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-  for (int step = 0; step < 1200; ++step) {
-    simulation.step(dt, held(simulation));
-    if (step < 200) continue;
-    const double force = simulation.interface_force().row(1).sum();
-    least = std::min(least, force);
-    most = std::max(most, force);
-  }
+  const auto [least, most] = range_of_force(p, hull, dt, 1200, 200);
   fmt::print("trimmed hull: {:.1f} to {:.1f} N/m, displaces {:.1f}\n", least, most, buoyancy);
   EXPECT_GT(least, 0.8 * buoyancy);
   EXPECT_LT(most, 1.2 * buoyancy);
@@ -263,15 +270,7 @@ TEST(BodyPacking, RoundHullsAndHullsWithChinesCarryTheirBuoyancyWithoutBlows) {
     Parameters p = tank_case(2.0, 0.5, spacing, 0.4);
     p.submerged = true;
     const InterfaceMesh hull = structure::outline(corner, spacing);
-    Simulation<2> simulation(p, hull, Points::Zero(3, hull.position.cols()));
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (int step = 0; step < 750; ++step) {
-      simulation.step(dt, held(simulation));
-      if (step < 100) continue;
-      const double force = simulation.interface_force().row(1).sum();
-      least = std::min(least, force);
-      most = std::max(most, force);
-    }
+    const auto [least, most] = range_of_force(p, hull, dt, 750, 100);
     fmt::print("hull: {:.1f} to {:.1f} N/m, displaces {:.1f}\n", least, most, buoyancy);
     EXPECT_GT(least, 0.95 * buoyancy);
     EXPECT_LT(most, 1.05 * buoyancy);

@@ -1,5 +1,7 @@
 #include "fluid/geometry/body_surface_2d.hpp"
 
+#include "structure/body/surface.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,25 +15,9 @@ using Places = std::vector<Eigen::Vector2d>;
 
 constexpr double l0 = 0.01, R = 0.15;
 
-/// The closed polygon of these corners, counter-clockwise, with points at most `apart` from one another.
+/// The closed polygon of these corners, with points about `apart` from one another.
 InterfaceMesh polygon(const Places& corner, double apart = l0) {
-  Places points;
-  for (std::size_t k = 0; k < corner.size(); ++k) {
-    const Eigen::Vector2d along = corner[(k + 1) % corner.size()] - corner[k];
-    const int pieces = std::max(1, static_cast<int>(std::lround(along.norm() / apart)));
-    for (int i = 0; i < pieces; ++i) points.emplace_back(corner[k] + along * i / pieces);
-  }
-  InterfaceMesh mesh;
-  mesh.name = "structure";
-  mesh.dimension = 2;
-  const auto n = static_cast<Eigen::Index>(points.size());
-  mesh.position = Points::Zero(3, n);
-  mesh.faces.resize(2, n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    mesh.position.col(k).head<2>() = points[static_cast<std::size_t>(k)];
-    mesh.faces.col(k) << static_cast<int>(k), static_cast<int>((k + 1) % n);
-  }
-  return mesh;
+  return structure::outline(corner, apart);
 }
 
 /// Points of a circle about (0, R), from one angle to another in steps [degrees].
