@@ -42,25 +42,17 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
     largest[t] = share.part;
     point_in_[t] = share.point;
   }
-  std::map<std::pair<int, int>, int> known;  // patch and point of the mesh
-  patch_corner_.resize(3, mesh_.faces.cols());
-  for (int t = 0; t < static_cast<int>(triangles); ++t)
-    for (int k = 0; k < 3; ++k)
-      patch_corner_(k, t) =
-          known
-              .emplace(std::pair{patches_.of_triangle[static_cast<std::size_t>(t)], mesh_.faces(k, t)},
-                       static_cast<int>(known.size()))
-              .first->second;
   const auto m = static_cast<Eigen::Index>(points());
   for (Points* p : {&point_, &velocity_, &normal_, &normal_rate_, &area_}) p->setZero(3, m);
-  patch_corner_scale_.setOnes(static_cast<Eigen::Index>(known.size()));
+  patch_corner_scale_.setOnes(patches_.corner.maxCoeff() + 1);
   const Points still = Points::Zero(3, mesh_.position.cols());
   now_ = mesh_.position;
   rate_ = still;
   Points sum = Points::Zero(3, patch_corner_scale_.size());
   for (int t = 0; t < static_cast<int>(triangles); ++t)
     for (int k = 0; k < 3; ++k)
-      sum.col(patch_corner_(k, t)) += 0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+      sum.col(patches_.corner(k, t)) +=
+          0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
   find_local_edges();
@@ -99,15 +91,15 @@ void BodySurface3d::bend(bool places) {
     const Vector3 rate = 0.5 * (v1.cross(e2) + e1.cross(v2));
     if (places) face_normal_.col(t) = area.col(t).normalized();
     for (int k = 0; k < 3; ++k) {
-      sum.col(patch_corner_(k, t)) += area.col(t);
-      sum_rate.col(patch_corner_(k, t)) += rate;
+      sum.col(patches_.corner(k, t)) += area.col(t);
+      sum_rate.col(patches_.corner(k, t)) += rate;
     }
   }
   for (int k = 0; k < points(); ++k) {
     const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
     Vector3 m = Vector3::Zero(), rate = Vector3::Zero();
     for (int c = 0; c < 3; ++c) {
-      const int at = patch_corner_(c, p.triangle);
+      const int at = patches_.corner(c, p.triangle);
       m += p.weight[c] * patch_corner_scale_[at] * sum.col(at);
       rate += p.weight[c] * patch_corner_scale_[at] * sum_rate.col(at);
     }
@@ -132,6 +124,15 @@ Vector2 BodySurface3d::in_triangle(const Points& place, int t, const Vector3& ar
   return {(g22 * d1 - g12 * d2) / determinant, (g11 * d2 - g12 * d1) / determinant};
 }
 
+// Whether a wet point with the normal n lies on this side of an edge that ends in a smooth patch: the normal
+// of this side's triangle is nearer to n than the other's.
+bool BodySurface3d::is_on_side(const SurfacePatches::Border& border, const Vector3& n) const {
+  if (border.other != border.patch) return true;
+  const double mine = n.dot(face_normal_.col(border.triangle)),
+               theirs = n.dot(face_normal_.col(border.other_triangle));
+  return mine > theirs || (mine == theirs && border.is_first());
+}
+
 // The larger of two patches owns the edge between them, of equal ones the first.
 void BodySurface3d::find_local_edges() {
   const double far = reach_ + 2 * spacing_;
@@ -145,11 +146,10 @@ void BodySurface3d::find_local_edges() {
     for (const auto* border : of_patch[static_cast<std::size_t>(p.patch)]) {
       const Vector3 a = mesh_.position.col(border->from), b = mesh_.position.col(border->to), t = b - a;
       const double s = std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
-      if ((a + s * t - x).norm() > far) continue;
+      if ((a + s * t - x).norm() > far || !is_on_side(*border, normal_.col(k))) continue;
       const double mine = patches_.area[static_cast<std::size_t>(border->patch)],
                    theirs = patches_.area[static_cast<std::size_t>(border->other)];
-      const bool owned =
-          mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->patch < border->other);
+      const bool owned = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->is_first());
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
                        in_triangle(mesh_.position, p.triangle, b - x), owned, border->sharp,
                        border->is_halved() ? 1 / std::tan(0.5 * border->angle) : 0.0});

@@ -115,6 +115,7 @@ class BodySurface3d {
     bool owned, sharp;
     double lean;  // tan of the angle between normal and halving plane, zero at a sharp or concave edge
   };
+  bool is_on_side(const SurfacePatches::Border&, const Vector3& n) const;
   void find_local_edges();
   /// Calls visit(edge, distance of x from it along the face [m], nearest place of the edge) for the edges of
   /// the patch that lie near wet point k.
@@ -139,8 +140,7 @@ class BodySurface3d {
   std::vector<int> point_in_;            // a wet point of each triangle
   std::vector<std::size_t> edge_start_;  // of each wet point
   std::vector<LocalEdge> edge_;
-  Eigen::Matrix3Xi patch_corner_;       // corners of triangles, each patch with its own
-  Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| of the reference [1/m²]
+  Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| at each corner, of the reference [1/m²]
   Points now_, rate_;                   // of the mesh's points
   Points point_, velocity_, normal_, normal_rate_, area_;
   Points face_normal_;  // of the triangles

@@ -8,7 +8,7 @@ namespace strake::fluid {
 HalvedEdges::HalvedEdges(const SurfacePatches& surface) {
   std::vector<const SurfacePatches::Border*> once;
   for (const auto& border : surface.border)
-    if (border.is_halved() && border.patch < border.other) once.push_back(&border);
+    if (border.is_halved() && border.is_first()) once.push_back(&border);
   ends_.resize(3, static_cast<Eigen::Index>(once.size()));
   for (std::size_t e = 0; e < once.size(); ++e) {
     ends_.col(static_cast<Eigen::Index>(e)) << once[e]->from, once[e]->to, once[e]->to;

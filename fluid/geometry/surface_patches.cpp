@@ -145,6 +145,27 @@ Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, co
   return smooth;
 }
 
+/// Numbers the corners of the triangles, in their order. Triangles that share a point and an edge there that
+/// is no corner have one number.
+Eigen::Matrix3Xi corners_between(const InterfaceMesh& mesh, const std::vector<Edge>& edges) {
+  const auto place = [&](int triangle, int point) {
+    int k = 0;
+    while (mesh.faces(k, triangle) != point) ++k;
+    return 3 * triangle + k;
+  };
+  Sets shared(static_cast<std::size_t>(mesh.faces.size()));
+  for (const Edge& edge : edges)
+    for (const int point : {edge.from, edge.to})
+      if (!edge.corner) shared.join(place(edge.left, point), place(edge.right, point));
+  Eigen::Matrix3Xi corner(3, mesh.faces.cols());
+  int count = 0;
+  for (int i = 0; i < static_cast<int>(corner.size()); ++i) {
+    const int root = shared.root(i);  // the least
+    corner.data()[i] = root == i ? count++ : corner.data()[root];
+  }
+  return corner;
+}
+
 /// Marks the curved patches, and the plane ones with sharp edges alone. A patch without an edge is the whole
 /// of a closed surface, which is not plane.
 void find_plane_patches(const std::vector<Vector3>& area, SurfacePatches& patches) {
@@ -181,18 +202,22 @@ SurfacePatches find_patches(const InterfaceMesh& mesh, const Knuckles& knuckles)
     patches.of_triangle[t] = found->second;
     patches.area[static_cast<std::size_t>(found->second)] += area[t].norm();
   }
-  for (const Edge& edge : edges) {
+  for (Edge& edge : edges) {
     if (!edge.corner) continue;
     const int left = patches.of_triangle[static_cast<std::size_t>(edge.left)],
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
-    if (left == right) continue;  // the end of an edge that fades out in a smooth surface
+    // An edge that fades out in a smooth surface is one where it is as sharp as that of a plate; else it is
+    // followed as a knuckle is.
     const double angle = std::numbers::pi - edge.turn;
+    edge.corner = left != right || angle < right_angle;
+    if (!edge.corner) continue;
     const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
     const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));
-    patches.border.push_back({left, edge.left, edge.from, edge.to, right, angle, sharp});
-    patches.border.push_back({right, edge.right, edge.to, edge.from, left, angle, sharp});
+    patches.border.push_back({left, edge.left, edge.from, edge.to, right, edge.right, angle, sharp});
+    patches.border.push_back({right, edge.right, edge.to, edge.from, left, edge.left, angle, sharp});
   }
   find_plane_patches(area, patches);
+  patches.corner = corners_between(mesh, edges);
   return patches;
 }
 

@@ -14,16 +14,21 @@ namespace strake::fluid {
 /// The smooth parts of a closed surface of triangles, and the edges between them.
 struct SurfacePatches {
   /// An edge of a patch, in the order of its own triangle. angle: inside the body [rad], π where flat, less
-  /// where convex. sharp: water leaves the body there, by the angle and both triangles' normals.
+  /// where convex. sharp: water leaves the body there, by the angle and both triangles' normals. The stem of
+  /// a hull with a round bottom divides no patch: it ends in the smooth surface. Then `other` is `patch`,
+  /// and each of its sides is an edge.
   struct Border {
     int patch = 0, triangle = 0, from = 0, to = 0;  // points of the mesh
-    int other = 0;                                  // the patch beyond it
+    int other = 0, other_triangle = 0;              // the patch and the triangle beyond it
     double angle = 0;
     bool sharp = false;
+    /// Whether this is the first of the two sides of the edge.
+    bool is_first() const { return patch < other || (patch == other && from < to); }
     /// Whether the faces beside it meet in the plane that halves the angle (F85).
     bool is_halved() const { return !sharp && angle < std::numbers::pi; }
   };
   std::vector<int> of_triangle;
+  Eigen::Matrix3Xi corner;  // of the triangles: those at one point have one corner where no edge divides them
   std::vector<double> area;  // [m²] of each patch
   std::vector<Border> border;
   std::vector<std::uint8_t> curved;                 // of each patch: whether it lies in no plane

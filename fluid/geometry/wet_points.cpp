@@ -126,12 +126,20 @@ class Spreading {
     keep(part);
   }
 
-  /// Samples of the patch, each with its triangle and its area.
+  /// Samples of the patch, each with its triangle, its area and its unit normal.
   struct Sample {
     Vector3 place;
     int triangle;
     double area;
+    Vector3 normal;
   };
+  struct Place {
+    Vector3 middle, normal;
+  };
+  /// Whether the sample lies on the side of a thin body that the place is on.
+  static bool on_one_side(const Sample& sample, const Place& place) {
+    return sample.normal.dot(place.normal) > 0;
+  }
   std::vector<Sample> samples_of(const std::vector<int>& triangles) const {
     std::vector<Sample> samples;
     for (const int t : triangles) {
@@ -139,10 +147,12 @@ class Spreading {
       const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
       const int n = std::max(1, static_cast<int>(std::ceil(longest / (sample_distance * spacing_))));
       const double area = 0.5 * u.cross(v).norm() / (n * n);
+      const Vector3 normal = u.cross(v).normalized();
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {
-          samples.push_back({a + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, t, area});
-          if (i + j + 1 < n) samples.push_back({a + ((i + 2.0 / 3) * u + (j + 2.0 / 3) * v) / n, t, area});
+          samples.push_back({a + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, t, area, normal});
+          if (i + j + 1 < n)
+            samples.push_back({a + ((i + 2.0 / 3) * u + (j + 2.0 / 3) * v) / n, t, area, normal});
         }
     }
     return samples;
@@ -152,30 +162,31 @@ class Spreading {
     const std::vector<Sample> samples = samples_of(triangles);
     const double area = patches_.area[static_cast<std::size_t>(patch)];
     const int count = std::max(1, static_cast<int>(std::lround(area / (spacing_ * spacing_))));
-    std::vector<Vector3> place;
+    std::vector<Place> place;
     double passed = 0;
     for (const Sample& sample : samples) {
       if (passed + sample.area > (static_cast<double>(place.size()) + 0.5) * area / count &&
           static_cast<int>(place.size()) < count)
-        place.push_back(sample.place);
+        place.push_back({sample.place, sample.normal});
       passed += sample.area;
     }
     std::vector<int> owner(samples.size(), 0);
     for (int round = 0; round <= rounds; ++round) {
       assign(samples, place, owner);
       if (round == rounds) break;
-      std::vector<Vector3> middle(place.size(), Vector3::Zero());
+      std::vector<Vector3> middle(place.size(), Vector3::Zero()), normal = middle;
       std::vector<double> weight(place.size(), 0);
       for (std::size_t s = 0; s < samples.size(); ++s) {
         const auto k = static_cast<std::size_t>(owner[s]);
         middle[k] += samples[s].area * samples[s].place;
+        normal[k] += samples[s].area * samples[s].normal;
         weight[k] += samples[s].area;
       }
       for (std::size_t k = 0; k < place.size(); ++k)
-        if (weight[k] > 0) place[k] = middle[k] / weight[k];
+        if (weight[k] > 0) place[k] = {middle[k] / weight[k], normal[k]};
     }
     const int first = static_cast<int>(points_.point.size());
-    for (const Vector3& x : place) add(x, patch);
+    for (std::size_t k = 0; k < place.size(); ++k) add(place[k], patch, samples, owner, static_cast<int>(k));
     std::map<std::pair<int, int>, double> part;
     for (std::size_t s = 0; s < samples.size(); ++s)
       part[{first + owner[s], samples[s].triangle}] +=
@@ -183,8 +194,9 @@ class Spreading {
     keep(part);
   }
 
-  /// Finds the nearest place of each sample, by cells of one and a half spacings.
-  void assign(const std::vector<Sample>& samples, const std::vector<Vector3>& place,
+  /// Finds the nearest place of each sample, by cells of one and a half spacings. It is one on its own side
+  /// of a thin body.
+  void assign(const std::vector<Sample>& samples, const std::vector<Place>& place,
               std::vector<int>& owner) const {
     const double cell = 1.5 * spacing_;
     const auto key = [&](const Vector3& x, int dx, int dy, int dz) {
@@ -195,7 +207,7 @@ class Spreading {
     };
     std::map<std::array<int, 3>, std::vector<int>> cells;
     for (std::size_t k = 0; k < place.size(); ++k)
-      cells[key(place[k], 0, 0, 0)].push_back(static_cast<int>(k));
+      cells[key(place[k].middle, 0, 0, 0)].push_back(static_cast<int>(k));
     std::array<int, 3> last{};
     std::vector<int> near;  // of the last cell that was asked for
     bool fresh = false;
@@ -213,14 +225,16 @@ class Spreading {
       }
       double best = std::numeric_limits<double>::infinity();
       for (const int k : near) {
-        const double squared = (place[static_cast<std::size_t>(k)] - samples[s].place).squaredNorm();
-        if (squared >= best) continue;
+        const Place& at = place[static_cast<std::size_t>(k)];
+        const double squared = (at.middle - samples[s].place).squaredNorm();
+        if (squared >= best || !on_one_side(samples[s], at)) continue;
         best = squared;
         owner[s] = k;
       }
-      if (near.empty())  // the first rounds alone: no place within a cell
+      if (std::isinf(best))  // no place within a cell: the first rounds, and thin ends
         for (std::size_t k = 0; k < place.size(); ++k)
-          if (const double squared = (place[k] - samples[s].place).squaredNorm(); squared < best) {
+          if (const double squared = (place[k].middle - samples[s].place).squaredNorm();
+              squared < best && (near.empty() || on_one_side(samples[s], place[k]))) {
             best = squared;
             owner[s] = static_cast<int>(k);
           }
@@ -229,8 +243,28 @@ class Spreading {
 
   void add(const Vector3& x, int patch) {
     const auto foot = grid_.nearest(x);
-    WetPoints::Point point{foot.triangle, foot.weight, patch};
-    points_.point.push_back(point);
+    points_.point.push_back({foot.triangle, foot.weight, patch});
+  }
+  /// The middle of a curved place lies inside the body. Where the body is thin the other side may be nearer.
+  /// Then the nearest of the place's own samples is taken.
+  void add(const Place& place, int patch, const std::vector<Sample>& samples, const std::vector<int>& owner,
+           int k) {
+    const auto foot = grid_.nearest(place.middle);
+    const bool own = patches_.of_triangle[static_cast<std::size_t>(foot.triangle)] == patch;
+    if (own && normal_of(mesh_, foot.triangle).dot(place.normal) > 0) return add(place.middle, patch);
+    const Sample* nearest = nullptr;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const double squared = (samples[s].place - place.middle).squaredNorm();
+      if (owner[s] != k || squared >= best) continue;
+      best = squared;
+      nearest = &samples[s];
+    }
+    if (nearest == nullptr) return add(place.middle, patch);
+    const Vector3 a = corner(mesh_, nearest->triangle, 0), u = corner(mesh_, nearest->triangle, 1) - a,
+                  v = corner(mesh_, nearest->triangle, 2) - a, n = u.cross(v), r = nearest->place - a;
+    const double second = r.cross(v).dot(n) / n.squaredNorm(), third = u.cross(r).dot(n) / n.squaredNorm();
+    points_.point.push_back({nearest->triangle, {1 - second - third, second, third}, patch});
   }
   void keep(const std::map<std::pair<int, int>, double>& part) {
     for (const auto& [key, share] : part) points_.share.push_back({key.first, key.second, share});

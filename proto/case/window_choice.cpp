@@ -310,10 +310,10 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   if (!(l0 > 0) || !(keys.end_time > 0)) return choice;  // refused elsewhere
   if (solver == "none") {
     choice.window = keys.end_time / rows_of_water;
-    choice.why = fmt::format("{:g} rows of the history: water alone exchanges nothing", rows_of_water);
+    choice.why = fmt::format("about {:g} rows of the history: water alone exchanges nothing", rows_of_water);
   } else {
     choice.window = keys.end_time / rows;
-    choice.why = fmt::format("{:g} rows of the history", rows);
+    choice.why = fmt::format("about {:g} rows of the history", rows);
     bound_by_body(file, keys, l0, g, by_turn, choice);
     bound_by_layers(file, keys, l0, choice);
   }
