@@ -150,9 +150,11 @@ void BodySurface3d::find_local_edges() {
       const double mine = patches_.area[static_cast<std::size_t>(border->patch)],
                    theirs = patches_.area[static_cast<std::size_t>(border->other)];
       const bool owned = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->is_first());
+      const bool divides = border->other != border->patch;
       edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
                        in_triangle(mesh_.position, p.triangle, b - x), owned, border->sharp,
-                       border->is_halved() ? 1 / std::tan(0.5 * border->angle) : 0.0});
+                       border->is_halved() ? 1 / std::tan(0.5 * border->angle) : 0.0,
+                       divides ? -1 : border->triangle, divides ? -1 : border->other_triangle});
     }
     edge_start_.push_back(edge_.size());
   }
@@ -272,13 +274,34 @@ bool BodySurface3d::holds(int k, const Vector3& c) const {
   return in;
 }
 
+// Whether x lies beyond an edge that ends in the patch of wet point k: on the other side of the plane that
+// halves the nearest such edge.
+bool BodySurface3d::is_beyond_fading_edge(int k, const Vector3& x) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  bool beyond = false;
+  const int t = points_.point[static_cast<std::size_t>(k)].triangle;
+  const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
+  for (auto e = edge_start_[static_cast<std::size_t>(k)]; e < edge_start_[static_cast<std::size_t>(k) + 1];
+       ++e) {
+    const LocalEdge& edge = edge_[e];
+    if (edge.theirs < 0) continue;
+    const Vector3 from = point_.col(k) + edge.from.x() * e1 + edge.from.y() * e2,
+                  along = point_.col(k) + edge.to.x() * e1 + edge.to.y() * e2 - from;
+    const Vector3 arm = x - from - std::clamp((x - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
+    if (arm.squaredNorm() >= nearest) continue;
+    nearest = arm.squaredNorm();
+    beyond = arm.dot(face_normal_.col(edge.mine) - face_normal_.col(edge.theirs)) < 0;
+  }
+  return beyond;
+}
+
 // Whether a lies in front of the patch at wet point k. A curved patch bends away from its tangent plane, so
-// water in front of the nearest triangle of the patch counts too.
+// water in front of the nearest triangle of the patch counts too, on this side of an edge that ends in it.
 bool BodySurface3d::in_front(int k, int near, const Vector3& a) const {
   if ((a - point_.col(k)).dot(normal_.col(k)) > 0) return true;
   return near >= 0 && patches_.of_triangle[static_cast<std::size_t>(near)] == edge_of(k) &&
          face_normal_.col(near).dot(normal_.col(k)) > 0 &&
-         (a - corner(near, 0)).dot(face_normal_.col(near)) > 0;
+         (a - corner(near, 0)).dot(face_normal_.col(near)) > 0 && !is_beyond_fading_edge(k, a);
 }
 
 bool BodySurface3d::crosses(int k, int near, const Vector3& a, const Vector3& b) const {

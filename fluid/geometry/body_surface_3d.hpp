@@ -113,7 +113,8 @@ class BodySurface3d {
   struct LocalEdge {  // of a patch, from a wet point near it, in the two edges of its triangle
     Eigen::Vector2d from, to;
     bool owned, sharp;
-    double lean;  // tan of the angle between normal and halving plane, zero at a sharp or concave edge
+    double lean;       // tan of the angle between normal and halving plane, zero at a sharp or concave edge
+    int mine, theirs;  // the triangles beside an edge that ends in a smooth patch; else -1
   };
   bool is_on_side(const SurfacePatches::Border&, const Vector3& n) const;
   void find_local_edges();
@@ -128,6 +129,7 @@ class BodySurface3d {
   Vector3 corner(int triangle, int k) const { return now_.col(mesh_.faces(k, triangle)); }
   Eigen::Vector2d in_triangle(const Points& place, int triangle, const Vector3& arm) const;
   bool holds(int k, const Vector3& c) const;
+  bool is_beyond_fading_edge(int k, const Vector3& x) const;
   bool in_front(int k, int near, const Vector3& a) const;
   Vector3 mean_of(const Points& values, int triangle, const Vector3& weight) const;
 

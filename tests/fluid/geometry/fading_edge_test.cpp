@@ -121,6 +121,32 @@ TEST(FadingEdge, WaterGoesAroundTheKeelOfASharpEnd) {
   EXPECT_TRUE(body.beside_corner(one, reach));
 }
 
+// The keel turns by a right angle at |x| = 0.354. The faces beside it look sideways past one another there,
+// so that their directions alone do not tell port from starboard.
+TEST(FadingEdge, WaterBesideASharpKeelSeesNoLayerOfTheOtherSide) {
+  const BodySurface3d& body = hull_in_water();
+  int looked = 0;
+  for (int k = 0; k < body.points(); ++k) {
+    const Vector3d x = body.point(k);
+    if (std::abs(x.x()) < 0.37 || std::abs(x.x()) > 0.43 || x.y() > -0.09) continue;
+    for (const double along : {-0.5, 0.0, 0.5})
+      for (const double height : {0.3, 0.8, 1.3}) {
+        const double y = x.y() + along * l0;
+        if (y < -0.115) continue;
+        const double other = x.z() > 0 ? -1 : 1;
+        const Vector3d water(x.x(), y, other * (half_breadth(x.x(), y) + height * l0));
+        if ((water - x).dot(body.normal(k)) > 0) continue;
+        const int near = body.near(water, reach).triangle;
+        for (const double depth : {0.5, 1.5, 2.5}) {
+          ++looked;
+          EXPECT_FALSE(body.crosses(k, near, water, x - depth * l0 * body.normal(k)))
+              << x.transpose() << " from " << water.transpose();
+        }
+      }
+  }
+  EXPECT_GT(looked, 100);
+}
+
 TEST(FadingEdge, AmidshipsTheKeelIsNoEdge) {
   const BodySurface3d& body = hull_in_water();
   const Vector3d below(0.02, -0.125, 0.003);
