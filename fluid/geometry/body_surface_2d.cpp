@@ -52,7 +52,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing, const
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_edges(Outline(partner, loop, knuckles));
+    add_edges(Outline(partner, loop, spacing, knuckles));
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);

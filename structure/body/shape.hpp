@@ -39,10 +39,10 @@ std::vector<Eigen::Vector2d> wedge_polygon(const Wedge&);
 /// is a multiple of four, and the first lies at the bottom.
 std::vector<Eigen::Vector2d> circle_polygon(const Eigen::Vector2d& centre, double radius, double spacing);
 
-/// What is wrong with a polygon as the outline of a body whose surface is resolved to `spacing` [m].
+/// What is wrong with a polygon as the outline of a body.
 struct PolygonFault {
   std::string problem, fix;  // both empty: nothing
 };
-PolygonFault polygon_fault(const std::vector<Eigen::Vector2d>&, double spacing);
+PolygonFault polygon_fault(const std::vector<Eigen::Vector2d>&);
 
 }  // namespace strake::structure

@@ -1,3 +1,4 @@
+#include "proto/geometry/thinning.hpp"
 #include "structure/case/keys.hpp"
 
 #include <Eigen/Geometry>
@@ -92,8 +93,10 @@ void place_section(CaseTable t, Parameters& p, const Placing& placing) {
   for (Eigen::Vector2d& corner : p.shape.corner)
     corner = map.topLeftCorner<2, 2>() * corner + placing.move.head<2>();
   if (p.dimension == 3) p.shape.middle = placing.scale * p.shape.middle + placing.move.z();
-  if (const PolygonFault fault = polygon_fault(p.shape.corner, p.surface_spacing); !fault.problem.empty())
+  if (const PolygonFault fault = polygon_fault(p.shape.corner); !fault.problem.empty())
     throw t.error(section->key, section->expected + fault.problem, fault.fix);
+  const Polygon fewer = thinned(p.shape.corner, p.surface_spacing);
+  if (polygon_fault(fewer).problem.empty()) p.shape.corner = fewer;
 }
 
 }  // namespace strake::structure

@@ -140,5 +140,28 @@ TEST(BodySurface2d, AClosedOutlineOfKnucklesAloneKeepsThem) {
   }
 }
 
+// A mesh of any program may be finer than the water: bilges rounded by a tenth of a spacing, rounded numbers.
+TEST(BodySurface2d, DetailsFinerThanTheWaterMakeNoEdgesAndNoStretches) {
+  Places box;
+  for (const auto& [x, from] : {std::pair(0.099, 270), std::pair(-0.099, 180)})
+    for (int k = 0; k <= 9; ++k) {
+      const double angle = (from + 10 * k) * std::numbers::pi / 180;
+      box.emplace_back(x + 0.001 * std::cos(angle), 0.001 + 0.001 * std::sin(angle));
+      if (from == 270 && k == 9) box.insert(box.end(), {{0.1, 0.1}, {-0.1, 0.1}});
+    }
+  const BodySurface2d sharp(polygon(box), l0);
+  ASSERT_EQ(sharp.edges().size(), 4u);
+  for (int edge = 0; edge < 4; ++edge) EXPECT_TRUE(sharp.is_between_sharp_corners(edge));
+  Places stairs;  // a round bottom in steps of a millimetre
+  for (const Eigen::Vector2d& x : arc(180, 360, 0.5)) {
+    const Eigen::Vector2d rounded(1e-3 * std::round(1e3 * x.x()), 1e-3 * std::round(1e3 * x.y()));
+    if (stairs.empty() || stairs.back() != rounded) stairs.push_back(rounded);
+  }
+  stairs.insert(stairs.end(), {{R, R + 0.1}, {-R, R + 0.1}});
+  const BodySurface2d round(polygon(stairs), l0);
+  EXPECT_EQ(round.edges().size(), 2u);
+  for (const BodySurface2d::Edge& edge : round.edges()) EXPECT_LT(edge.stretch.size(), 6u);  // lone turns
+}
+
 }  // namespace
 }  // namespace strake::fluid
