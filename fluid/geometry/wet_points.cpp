@@ -2,6 +2,7 @@
 
 #include "fluid/geometry/triangle_grid.hpp"
 #include "proto/geometry/polygon.hpp"
+#include "proto/geometry/triangle.hpp"
 
 #include <Eigen/Geometry>
 
@@ -100,7 +101,7 @@ class Spreading {
     const int first = static_cast<int>(points_.point.size());
     for (int r = 0; r < rows; ++r)
       for (int c = 0; c < columns; ++c)
-        add(box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across, patch);
+        add(box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across, patch, triangles);
     std::map<std::pair<int, int>, double> part;
     for (const int t : triangles) {
       Polygon whole;
@@ -175,7 +176,7 @@ class Spreading {
         if (weight[k] > 0) place[k] = middle[k] / weight[k];
     }
     const int first = static_cast<int>(points_.point.size());
-    for (const Vector3& x : place) add(x, patch);
+    for (const Vector3& x : place) add(x, patch, triangles);
     std::map<std::pair<int, int>, double> part;
     for (std::size_t s = 0; s < samples.size(); ++s)
       part[{first + owner[s], samples[s].triangle}] +=
@@ -227,9 +228,23 @@ class Spreading {
     }
   }
 
-  void add(const Vector3& x, int patch) {
+  /// Adds the nearest place of the patch. Under a curved sheet the other face may be nearer.
+  void add(const Vector3& x, int patch, const std::vector<int>& triangles) {
     const auto foot = grid_.nearest(x);
     WetPoints::Point point{foot.triangle, foot.weight, patch};
+    if (patches_.of_triangle[static_cast<std::size_t>(foot.triangle)] != patch) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const int t : triangles) {
+        Eigen::Matrix3d corners;
+        for (int k = 0; k < 3; ++k) corners.col(k) = corner(mesh_, t, k);
+        const Vector3 weight = nearest_in_triangle(corners, x);
+        const double distance = (corners * weight - x).norm();
+        if (distance >= nearest) continue;
+        nearest = distance;
+        point.triangle = t;
+        point.weight = weight;
+      }
+    }
     points_.point.push_back(point);
   }
   void keep(const std::map<std::pair<int, int>, double>& part) {
