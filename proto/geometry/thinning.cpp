@@ -120,33 +120,45 @@ class Thinning {
       kept_[i] = p_[i].y() <= low.y() + equal_ || p_[i].y() >= high.y() - equal_ ? 1 : 0;
   }
 
-  /// Keeps the farthest point from the chord of a span, of two that mirror one another both; where all are
-  /// near and the chord is long, the one nearest to its middle.
+  /// The points within a span of which a value is largest: of two that mirror one another both, of others
+  /// alike the lower one.
+  struct Largest {
+    double value = -std::numeric_limits<double>::infinity();
+    std::size_t first, last;
+  };
+  template <class Value>
+  Largest largest(std::size_t a, std::size_t b, const Value& value) const {
+    Largest found{.first = a + 1, .last = a + 1};
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double own = value(at(i));
+      if (own > found.value + equal_) found.first = i;
+      if (own > found.value - equal_) found.last = i;
+      found.value = std::max(found.value, own);
+    }
+    const double rise = at(found.last).y() - at(found.first).y();
+    if (rise > equal_) found.last = found.first;
+    if (rise < -equal_) found.first = found.last;
+    return found;
+  }
+
+  /// Keeps the point of a span that is farthest from its chord. Where all are near and the chord is long, it
+  /// keeps the one nearest to the chord's middle.
   void divide(std::size_t a, std::size_t b) {
     if (b < a + 2) return;
     const Vector2 from = at(a), chord = at(b) - from;
-    double farthest = 0, middle = std::numeric_limits<double>::infinity();
-    std::size_t first = a, last = a, middlemost = a;
-    for (std::size_t i = a + 1; i < b; ++i) {
-      const Vector2 r = at(i) - from;
-      const double s = chord.squaredNorm() > 0 ? std::clamp(r.dot(chord) / chord.squaredNorm(), 0.0, 1.0) : 0;
-      const double away = (r - s * chord).norm();
-      if (away > farthest + equal_) first = i;
-      if (away > farthest - equal_) last = i;
-      farthest = std::max(farthest, away);
-      if (std::abs(s - 0.5) < middle) {
-        middle = std::abs(s - 0.5);
-        middlemost = i;
-      }
+    Largest kept = largest(a, b, [&](const Vector2& x) {
+      const double length2 = chord.squaredNorm(),
+                   s = length2 > 0 ? std::clamp((x - from).dot(chord) / length2, 0.0, 1.0) : 0;
+      return (x - from - s * chord).norm();
+    });
+    if (kept.value <= within_) {
+      if (chord.norm() <= longest_) return;
+      kept = largest(a, b, [&](const Vector2& x) { return -(x - from - 0.5 * chord).norm(); });
     }
-    if (farthest <= within_ && chord.norm() <= longest_) return;
-    if (farthest <= within_) first = last = middlemost;
-    const double above = at(last).y() - at(first).y();  // of two at different heights the lower will do
-    if (std::abs(above) > equal_) (above > 0 ? last : first) = above > 0 ? first : last;
-    for (const std::size_t i : {first, last}) kept_[i % p_.size()] = 1;
-    spans_.emplace_back(a, first);
-    spans_.emplace_back(first, last);
-    spans_.emplace_back(last, b);
+    for (const std::size_t i : {kept.first, kept.last}) kept_[i % p_.size()] = 1;
+    spans_.emplace_back(a, kept.first);
+    spans_.emplace_back(kept.first, kept.last);
+    spans_.emplace_back(kept.last, b);
   }
 
   const Polygon& p_;

@@ -18,7 +18,8 @@ enum class ShapeKind { plate, solid, surface, polygon, wedge, cylinder, sphere }
 struct Shape {
   ShapeKind kind = ShapeKind::plate;
   std::vector<Eigen::Vector2d> corner;  // [m] polygon, wedge; a solid of the plane: its outer boundary
-  double radius = 0;                    // [m] cylinder, sphere
+  int unseen = 0;     // points of a polygon or wedge that the case gives and the water does not see
+  double radius = 0;  // [m] cylinder, sphere
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m] cylinder, sphere
   double depth = 0;   // [m] of the prism, along z; 0: two dimensions, all per metre of depth
   double middle = 0;  // [m] z of the prism's middle

@@ -188,6 +188,7 @@ TEST(BodyKeys, OffsetsFinerThanTheWaterAreRead) {
   const Parameters short_side =
       read_body("outline = [[0, 0], [0.4, 0], [0.4, 0.2], [0.399, 0.2], [0, 0.2]]\n");
   EXPECT_EQ(short_side.shape.corner.size(), 4u);
+  EXPECT_EQ(short_side.shape.unseen, 1);
   std::string points;
   for (int k = 0; k < 720; ++k) {
     const double angle = k * std::numbers::pi / 360;
@@ -197,6 +198,7 @@ TEST(BodyKeys, OffsetsFinerThanTheWaterAreRead) {
     const Parameters p = read_body("outline = [" + points + "]\nplaced = { scale = " + scale + " }\n");
     const double radius = 0.15 * std::stod(scale);
     EXPECT_LT(p.shape.corner.size(), 240u);
+    EXPECT_EQ(std::ssize(p.shape.corner) + p.shape.unseen, 720);
     for (const Eigen::Vector2d& x : p.shape.corner) EXPECT_NEAR(x.norm(), radius, 1e-9);
     EXPECT_NEAR(enclosed_volume(surface(p)), std::numbers::pi * radius * radius, 0.004 * radius * radius);
   }
