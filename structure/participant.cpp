@@ -148,6 +148,11 @@ std::vector<std::string> describe(const Solver& solver, const Parameters& p, con
                                 common.window));
   if (common.fluid_solver != "none" && solver.interface().faces.cols() > 0)
     lines.push_back(loaded_faces(p, solver.interface()).line);
+  if (p.shape.unseen > 0)
+    lines.push_back(
+        fmt::format("outline: {} of {} points; the water does not see the others, which stand "
+                    "beside sides shorter than half a spacing",
+                    p.shape.corner.size(), std::ssize(p.shape.corner) + p.shape.unseen));
   if (p.loaded_by_old_key) lines.push_back("structure.wet is called structure.loaded_faces now; both work");
   if (std::string note = unused_mass(p); !note.empty()) lines.push_back(std::move(note));
   if (p.stays_intact)

@@ -250,7 +250,7 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
     if (i_row || j_row)
       return body_surface_.crosses(point_of(row), state.position.col(other), state.position.col(row));
     if (around) return way_around(state, i, j) < reach_;
-    return !body_surface_.separates(state.position.col(std::min(i, j)), state.position.col(std::max(i, j)));
+    return !separates(state, std::min(i, j), std::max(i, j));
   } else {
     const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
     if (i_row || j_row)
@@ -275,13 +275,14 @@ void Boundary<dim>::for_each_straight_way(const State<dim>& state, std::int64_t 
 
 template <int dim>
 bool Boundary<dim>::separates(const State<dim>& state, std::int64_t a, std::int64_t b) const {
-  const int near_a = triangle_near_[static_cast<std::size_t>(a)],
-            near_b = triangle_near_[static_cast<std::size_t>(b)];
   bool separated = false;
-  if constexpr (dim == 3)
-    for_each_straight_way(state, a, b, [&](const Vector<dim>& from, const Vector<dim>& to) {
-      separated = separated || body_surface_.separates(from, near_a, to, near_b);
-    });
+  for_each_straight_way(state, a, b, [&](const Vector<dim>& from, const Vector<dim>& to) {
+    if constexpr (dim == 3)
+      separated = separated || body_surface_.separates(from, triangle_near_[static_cast<std::size_t>(a)], to,
+                                                       triangle_near_[static_cast<std::size_t>(b)]);
+    else
+      separated = separated || body_surface_.separates(from, to);
+  });
   return separated;
 }
 
@@ -289,7 +290,11 @@ template <int dim>
 double Boundary<dim>::way_around(const State<dim>& state, std::int64_t i, std::int64_t j) const {
   const auto [a, b] = std::minmax(i, j);
   if constexpr (dim == 2) {
-    return body_surface_.way_around(state.position.col(a), state.position.col(b));
+    double way = 0;  // the longer of both images: the body is on one of them
+    for_each_straight_way(state, a, b, [&](const Vector<dim>& from, const Vector<dim>& to) {
+      way = std::max(way, body_surface_.way_around(from, to));
+    });
+    return way;
   } else {
     if (!separates(state, a, b))
       return tank_.periodic().separation(state.position.col(a), state.position.col(b)).norm();

@@ -185,7 +185,7 @@ class Boundary {
   /// one of them.
   template <class Visit>
   void for_each_straight_way(const State<dim>&, std::int64_t a, std::int64_t b, const Visit&) const;
-  /// Whether the body lies between two particles that are not of the body; in space.
+  /// Whether the body lies between two particles that are not of the body.
   bool separates(const State<dim>&, std::int64_t a, std::int64_t b) const;
   void add_layers(const InterfaceMesh& partner, const Knuckles&, State<dim>&);
   void place_layers(State<dim>&, bool positions) const;

@@ -246,8 +246,11 @@ Vector<dim> Tank<dim>::acceleration() const {
 template <int dim>
 auto Tank<dim>::frame_at(double time) const -> Frame {
   const RigidMotion motion = motion_.at(time);
-  return {motion.displacement.head<dim>(), motion.velocity.head<dim>(), std::sin(motion.angle),
-          std::cos(motion.angle), motion.angular_velocity};
+  Vector<dim> shift = motion.displacement.head<dim>();
+  for (int d = 0; d < dim; ++d)  // a floor may run past many periods
+    if (periodic_.along(d)) shift[d] = std::remainder(shift[d], periodic_.length()[d]);
+  return {shift, motion.velocity.head<dim>(), std::sin(motion.angle), std::cos(motion.angle),
+          motion.angular_velocity};
 }
 
 template <int dim>

@@ -50,6 +50,8 @@ class Tank {
   /// Returns the normal, into the water, of the wall in front of layer particle i, where the tank is now. It
   /// is zero where two walls meet, and for particles that are not of the tank.
   Vector<dim> normal_of(std::int64_t i) const;
+  /// Returns a direction of the tank as the case gives it, turned with the tank.
+  Vector<dim> turned(const Vector<dim>& direction) const { return turned(now_, direction); }
   /// Returns the area of the faces that wall particle i represents, into the water [m, m² in 3-D].
   Vector<dim> area_of(std::int64_t i) const;
   /// Sum of the normals of the absorbing faces in front of layer particle i; zero: none absorbs.

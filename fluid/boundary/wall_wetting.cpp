@@ -28,6 +28,26 @@ constexpr double fading_rate = 4;
 /// the distance of the first lattice particle at an edge of two walls. In a corner of three walls that
 /// particle is √3 l0 away.
 constexpr double corner_margin = 0.02;
+
+/// Returns the direction of the edge between two walls at a layer particle without a normal; zero in a corner
+/// of three, and in the plane.
+template <int dim>
+Vector<dim> edge_at(const Boundary<dim>& boundary, const Vector<dim>& place) {
+  Vector<dim> along = Vector<dim>::Zero();
+  if constexpr (dim == 3) {
+    const Tank<3>& tank = boundary.tank();
+    const auto& shape = tank.shape();
+    const Vector<3> x = tank.periodic().wrap(tank.in_tank(place), shape.low());
+    int inside = 0, free = 0;
+    for (int a = 0; a < 3; ++a)
+      if (x[a] > shape.low()[a] && x[a] < shape.high()[a]) {
+        ++inside;
+        free = a;
+      }
+    if (inside == 1) along = tank.turned(Vector<3>::Unit(free));
+  }
+  return along;
+}
 }  // namespace
 
 template <int dim>
@@ -41,23 +61,12 @@ WallContact<dim>::WallContact(const Boundary<dim>& boundary, const State<dim>& s
   corner_.assign(static_cast<std::size_t>(n), 0);
   wet_.assign(static_cast<std::size_t>(n), 0);
   joins_.assign(static_cast<std::size_t>(n), -1);
-  const auto& shape = boundary.tank().shape();
   for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j) {
     axis_.col(j - first_) = boundary.normal_of(j);
     depth_[j - first_] = -boundary.tank().distance(state.position.col(j));
     if (axis_.col(j - first_).squaredNorm() > 0) continue;
     corner_[static_cast<std::size_t>(j)] = 1;
-    if constexpr (dim == 3) {
-      // On the edge of two walls the direction along it is free.
-      const Vector<3> x = boundary.tank().in_tank(state.position.col(j));
-      int inside = 0, free = 0;
-      for (int a = 0; a < 3; ++a)
-        if (x[a] > shape.low()[a] && x[a] < shape.high()[a]) {
-          ++inside;
-          free = a;
-        }
-      if (inside == 1) axis_(free, j - first_) = 1;
-    }
+    axis_.col(j - first_) = edge_at<dim>(boundary, state.position.col(j));  // along it r is free
   }
 }
 
@@ -167,7 +176,8 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
                               const RankExchange<dim>& ranks) {
   if (boundary.tank().moves())
     for (std::int64_t j = boundary.water(); j < boundary.first_of_bodies(); ++j)
-      if (!corner(j)) axis_.col(j - first_) = boundary.normal_of(j);
+      axis_.col(j - first_) =
+          corner(j) ? edge_at<dim>(boundary, state.position.col(j)) : boundary.normal_of(j);
   place_bodies(boundary, state);
   const auto n = static_cast<std::int64_t>(state.kind.size());
   const std::int64_t bodies = boundary.first_of_bodies();

@@ -52,7 +52,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing, const
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
                   fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
-    add_edges(Outline(partner, loop, knuckles));
+    add_edges(Outline(partner, loop, spacing, knuckles));
   }
   const auto m = reference_.cols();
   mesh_.position = Points::Zero(3, m);
@@ -158,12 +158,39 @@ void BodySurface2d::connect(std::size_t first_edge) {
   }
 }
 
+/// Returns half the tangent of a piece, turned with the body, or its rate. The turn is that of the wet point
+/// and those beside it, about their middle: with the arms r in the reference, ρ now and the velocities v,
+///   tan φ = Σ r × ρ / Σ r·ρ,   ω = Σ ρ × v / Σ ρ² .
+Vector2 BodySurface2d::half_piece(const Edge& edge, int a, bool is_position) const {
+  const Edge &last = edges_[static_cast<std::size_t>(edge.previous)],
+             &next = edges_[static_cast<std::size_t>(edge.next)];
+  const std::array<int, 3> beside = {a > edge.first ? a - 1 : last.first + last.count - 1, a,
+                                     a + 1 < edge.first + edge.count ? a + 1 : next.first};
+  Vector2 middle = Vector2::Zero(), middle_now = Vector2::Zero(), drift = Vector2::Zero();
+  for (const int k : beside) {
+    middle += reference_.col(k) / 3;
+    middle_now += point_.col(k) / 3;
+    drift += velocity_.col(k) / 3;
+  }
+  double along = 0, across = 0, spin = 0, size = 0;
+  for (const int k : beside) {
+    const Vector2 r = reference_.col(k) - middle, now = point_.col(k) - middle_now;
+    along += r.dot(now);
+    across += cross(r, now);
+    spin += cross(now, velocity_.col(k) - drift);
+    size += now.squaredNorm();
+  }
+  const double scale = std::hypot(along, across);
+  if (!(scale > 0)) return is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
+  const Vector2 half = half_piece_.col(a),
+                turned = Vector2(along * half.x() - across * half.y(), across * half.x() + along * half.y()) /
+                         scale;
+  return is_position ? turned : Vector2(spin / size * Vector2(-turned.y(), turned.x()));
+}
+
 /// Places the vertices of an edge, from its wet points: half-way between two of them, and on an end of a
 /// stretch by extrapolation. A knuckle is the mean of both extrapolations.
 void BodySurface2d::place_vertices(const Edge& edge, const Vectors2& from, Vectors2& to, bool is_position) {
-  const auto half = [&](int a) {
-    return is_position ? Vector2(half_piece_.col(a)) : Vector2(Vector2::Zero());
-  };
   Vector2 before = Vector2::Zero();
   int count_before = 0;
   for (std::size_t c = 0; c + 1 < edge.stretch.size(); ++c) {
@@ -171,10 +198,14 @@ void BodySurface2d::place_vertices(const Edge& edge, const Vectors2& from, Vecto
     for (int i = begin + 1; i < end; ++i)
       to.col(edge.vertex + i) = 0.5 * (from.col(edge.first + i - 1) + from.col(edge.first + i));
     const int a = edge.first + begin, b = edge.first + end - 1;
-    Vector2 start = from.col(a) - half(a), stop = from.col(a) + half(a);
+    Vector2 start, stop;
     if (count > 1) {
       start = 1.5 * from.col(a) - 0.5 * from.col(a + 1);
       stop = 1.5 * from.col(b) - 0.5 * from.col(b - 1);
+    } else {
+      const Vector2 half = half_piece(edge, a, is_position);
+      start = from.col(a) - half;
+      stop = from.col(a) + half;
     }
     to.col(edge.vertex + begin) = c == 0 ? start : joined(before, count_before, start, count);
     to.col(edge.vertex + end) = before = stop;

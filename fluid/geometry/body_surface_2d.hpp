@@ -130,6 +130,7 @@ class BodySurface2d {
   void add_edges(const Outline&);
   void add_pieces(const Outline&, std::size_t begin, std::size_t end, Edge&);
   void connect(std::size_t first_edge);
+  Vector2 half_piece(const Edge&, int point, bool is_position) const;
   void place_vertices(const Edge&, const Vectors2& from, Vectors2& to, bool is_position);
   void meet_at_bisectors();
   void place_boxes();

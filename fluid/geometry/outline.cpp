@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "proto/geometry/polygon.hpp"
+#include "proto/geometry/thinning.hpp"
 
 #include <fmt/format.h>
 
@@ -9,6 +10,19 @@
 #include <cmath>
 
 namespace strake::fluid {
+namespace {
+
+/// The points where a closed outline turns.
+Polygon bends_of(const Polygon& points) {
+  Polygon bends;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector2d before = points[k] - points[(k + points.size() - 1) % points.size()];
+    if (std::abs(turn(before, following(points, k) - points[k])) > flat_angle) bends.push_back(points[k]);
+  }
+  return bends;
+}
+
+}  // namespace
 
 std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
   const auto n = static_cast<std::size_t>(partner.position.cols());
@@ -42,11 +56,17 @@ std::vector<std::vector<int>> loops_of(const InterfaceMesh& partner) {
   return loops;
 }
 
-Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop, const Knuckles& knuckles)
-    : place(2, static_cast<Eigen::Index>(loop.size())), turn(loop.size()), bend(loop.size(), Bend::smooth) {
-  const std::size_t n = loop.size();
-  for (std::size_t k = 0; k < n; ++k)
-    place.col(static_cast<Eigen::Index>(k)) = partner.position.col(loop[k]).head<2>();
+Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing,
+                 const Knuckles& knuckles) {
+  Polygon points;
+  for (const int k : loop) points.emplace_back(partner.position.col(k).head<2>());
+  const Polygon corners = bends_of(points), plain = without_details(corners, spacing);
+  if (plain.size() != corners.size()) points = plain;
+  const std::size_t n = points.size();
+  place.resize(2, static_cast<Eigen::Index>(n));
+  for (std::size_t k = 0; k < n; ++k) place.col(static_cast<Eigen::Index>(k)) = points[k];
+  turn.resize(n);
+  bend.assign(n, Bend::smooth);
   std::vector<std::size_t> bends;  // points where the outline turns; others only divide a straight face
   for (std::size_t k = 0; k < n; ++k) {
     turn[k] = strake::turn(at(k) - at(k + n - 1), at(k + 1) - at(k));

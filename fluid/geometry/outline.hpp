@@ -19,7 +19,8 @@ struct Outline {
   std::vector<double> turn;  // at each point [rad], positive where the body is convex
   std::vector<Bend> bend;    // at each point
 
-  Outline(const InterfaceMesh& partner, const std::vector<int>& loop, const Knuckles&);
+  /// Details that the water does not see are left out (`without_details`).
+  Outline(const InterfaceMesh& partner, const std::vector<int>& loop, double spacing, const Knuckles&);
   std::size_t size() const { return turn.size(); }
   /// Point k, counted on around the outline.
   Eigen::Vector2d at(std::size_t k) const { return place.col(static_cast<Eigen::Index>(k % size())); }

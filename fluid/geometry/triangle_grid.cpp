@@ -129,12 +129,12 @@ double TriangleGrid::distance_to_cell(const Cell& cell, const Vector3& x) const 
 // Searches cubes of cells around x, one layer more each time. A place outside a cube is at least as far as
 // its sides.
 auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
-  Foot best;
-  best.distance = limit;
-  if (count_[0] == 0) return best;
+  if (count_[0] == 0) return {};
   const Vector3 beyond = (low_ - x).cwiseMax(x - high_).cwiseMax(0.0);
   const double outside = beyond.norm();
-  if (outside > limit) return best;
+  if (outside > limit) return {};
+  Foot best;
+  best.distance = limit;
   const Cell centre = cell_of(x);
   const int farthest = std::max({count_[0], count_[1], count_[2]});
   for (int shell = 0; shell < farthest; ++shell) {
@@ -160,8 +160,7 @@ auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
         }
       }
   }
-  if (best.triangle < 0) best.distance = std::numeric_limits<double>::infinity();
-  return best;
+  return best.triangle < 0 ? Foot{} : best;
 }
 
 // Whether x lies under the triangle, along y. It does when a line along x to infinity crosses the triangle's

@@ -2,6 +2,7 @@
 
 #include "fluid/geometry/triangle_grid.hpp"
 #include "proto/geometry/polygon.hpp"
+#include "proto/geometry/triangle.hpp"
 
 #include <Eigen/Geometry>
 
@@ -100,7 +101,9 @@ class Spreading {
     const int first = static_cast<int>(points_.point.size());
     for (int r = 0; r < rows; ++r)
       for (int c = 0; c < columns; ++c)
-        add(box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across, patch);
+        add({box.origin + (c + 0.5) * dx * box.along + (r + 0.5) * dy * box.across,
+             normal_of(mesh_, triangles.front())},
+            patch, triangles);
     std::map<std::pair<int, int>, double> part;
     for (const int t : triangles) {
       Polygon whole;
@@ -186,7 +189,7 @@ class Spreading {
         if (weight[k] > 0) place[k] = {middle[k] / weight[k], normal[k]};
     }
     const int first = static_cast<int>(points_.point.size());
-    for (std::size_t k = 0; k < place.size(); ++k) add(place[k], patch, samples, owner, static_cast<int>(k));
+    for (const Place& at : place) add(at, patch, triangles);
     std::map<std::pair<int, int>, double> part;
     for (std::size_t s = 0; s < samples.size(); ++s)
       part[{first + owner[s], samples[s].triangle}] +=
@@ -241,30 +244,27 @@ class Spreading {
     }
   }
 
-  void add(const Vector3& x, int patch) {
-    const auto foot = grid_.nearest(x);
-    points_.point.push_back({foot.triangle, foot.weight, patch});
-  }
-  /// The middle of a curved place lies inside the body. Where the body is thin the other side may be nearer.
-  /// Then the nearest of the place's own samples is taken.
-  void add(const Place& place, int patch, const std::vector<Sample>& samples, const std::vector<int>& owner,
-           int k) {
+  /// Adds the nearest place of the patch. Where a body is thin another face, or the other side of this one,
+  /// may be nearer.
+  void add(const Place& place, int patch, const std::vector<int>& triangles) {
     const auto foot = grid_.nearest(place.middle);
-    const bool own = patches_.of_triangle[static_cast<std::size_t>(foot.triangle)] == patch;
-    if (own && normal_of(mesh_, foot.triangle).dot(place.normal) > 0) return add(place.middle, patch);
-    const Sample* nearest = nullptr;
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const double squared = (samples[s].place - place.middle).squaredNorm();
-      if (owner[s] != k || squared >= best) continue;
-      best = squared;
-      nearest = &samples[s];
+    const auto faces_alike = [&](int t) { return normal_of(mesh_, t).dot(place.normal) > 0; };
+    WetPoints::Point point{foot.triangle, foot.weight, patch};
+    if (patches_.of_triangle[static_cast<std::size_t>(foot.triangle)] != patch ||
+        !faces_alike(foot.triangle)) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const int t : triangles) {
+        Eigen::Matrix3d corners;
+        for (int k = 0; k < 3; ++k) corners.col(k) = corner(mesh_, t, k);
+        const Vector3 weight = nearest_in_triangle(corners, place.middle);
+        const double distance = (corners * weight - place.middle).norm();
+        if (distance >= nearest || !faces_alike(t)) continue;
+        nearest = distance;
+        point.triangle = t;
+        point.weight = weight;
+      }
     }
-    if (nearest == nullptr) return add(place.middle, patch);
-    const Vector3 a = corner(mesh_, nearest->triangle, 0), u = corner(mesh_, nearest->triangle, 1) - a,
-                  v = corner(mesh_, nearest->triangle, 2) - a, n = u.cross(v), r = nearest->place - a;
-    const double second = r.cross(v).dot(n) / n.squaredNorm(), third = u.cross(r).dot(n) / n.squaredNorm();
-    points_.point.push_back({nearest->triangle, {1 - second - third, second, third}, patch});
+    points_.point.push_back(point);
   }
   void keep(const std::map<std::pair<int, int>, double>& part) {
     for (const auto& [key, share] : part) points_.share.push_back({key.first, key.second, share});

@@ -13,8 +13,6 @@ using Vector2 = Eigen::Vector2d;
 
 /// A corner sharper than this encloses nothing that particles could fill.
 constexpr double sharpest_corner = 5 * std::numbers::pi / 180;  // [rad]
-/// Edges shorter than this share of the spacing are too short for the fluid to resolve.
-constexpr double shortest_edge = 0.5;
 
 /// Whether the segments a–b and c–d have a point in common.
 bool meet(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
@@ -64,7 +62,7 @@ std::vector<Vector2> circle_polygon(const Vector2& centre, double radius, double
   return p;
 }
 
-PolygonFault polygon_fault(const Polygon& p, double spacing) {
+PolygonFault polygon_fault(const Polygon& p) {
   const std::size_t n = p.size();
   if (n < 3) return {fmt::format("it has {} corners", n), "give at least three"};
   for (std::size_t i = 0; i < n; ++i) {
@@ -73,11 +71,6 @@ PolygonFault polygon_fault(const Polygon& p, double spacing) {
       return {fmt::format("the corner {} is given twice in a row{}", text(p[i]),
                           i == n - 1 ? ", first and last" : ""),
               i == n - 1 ? "leave the last corner out: the outline closes itself" : "leave one of them out"};
-    if (length < shortest_edge * spacing)
-      return {fmt::format(
-                  "the edge from {} to {} is {:.3g} m long, the points of the surface stand {:.3g} m apart",
-                  text(p[i]), text(following(p, i)), length, spacing),
-              "leave one of its ends out, or make structure.surface_spacing and fluid.spacing smaller"};
   }
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {

@@ -18,7 +18,8 @@ enum class ShapeKind { plate, solid, surface, polygon, wedge, cylinder, sphere }
 struct Shape {
   ShapeKind kind = ShapeKind::plate;
   std::vector<Eigen::Vector2d> corner;  // [m] polygon, wedge; a solid of the plane: its outer boundary
-  double radius = 0;                    // [m] cylinder, sphere
+  int unseen = 0;     // points of a polygon or wedge that the case gives and the water does not see
+  double radius = 0;  // [m] cylinder, sphere
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // [m] cylinder, sphere
   double depth = 0;   // [m] of the prism, along z; 0: two dimensions, all per metre of depth
   double middle = 0;  // [m] z of the prism's middle
@@ -39,10 +40,10 @@ std::vector<Eigen::Vector2d> wedge_polygon(const Wedge&);
 /// is a multiple of four, and the first lies at the bottom.
 std::vector<Eigen::Vector2d> circle_polygon(const Eigen::Vector2d& centre, double radius, double spacing);
 
-/// What is wrong with a polygon as the outline of a body whose surface is resolved to `spacing` [m].
+/// What is wrong with a polygon as the outline of a body.
 struct PolygonFault {
   std::string problem, fix;  // both empty: nothing
 };
-PolygonFault polygon_fault(const std::vector<Eigen::Vector2d>&, double spacing);
+PolygonFault polygon_fault(const std::vector<Eigen::Vector2d>&);
 
 }  // namespace strake::structure

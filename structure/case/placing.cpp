@@ -1,7 +1,9 @@
+#include "proto/geometry/thinning.hpp"
 #include "structure/case/keys.hpp"
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <string>
@@ -92,8 +94,12 @@ void place_section(CaseTable t, Parameters& p, const Placing& placing) {
   for (Eigen::Vector2d& corner : p.shape.corner)
     corner = map.topLeftCorner<2, 2>() * corner + placing.move.head<2>();
   if (p.dimension == 3) p.shape.middle = placing.scale * p.shape.middle + placing.move.z();
-  if (const PolygonFault fault = polygon_fault(p.shape.corner, p.surface_spacing); !fault.problem.empty())
+  if (const PolygonFault fault = polygon_fault(p.shape.corner); !fault.problem.empty())
     throw t.error(section->key, section->expected + fault.problem, fault.fix);
+  const Polygon fewer = thinned(p.shape.corner, std::min(p.surface_spacing, p.fluid_spacing));
+  if (!polygon_fault(fewer).problem.empty()) return;
+  p.shape.unseen = static_cast<int>(p.shape.corner.size() - fewer.size());
+  p.shape.corner = fewer;
 }
 
 }  // namespace strake::structure

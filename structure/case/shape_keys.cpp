@@ -88,7 +88,7 @@ void check_outline(CaseTable structure, const Parameters& p, const std::string& 
   }
   // Sections are checked once they are placed.
   if (!p.plate.hollow) return;
-  if (const PolygonFault fault = polygon_fault(shape.corner, p.surface_spacing); !fault.problem.empty())
+  if (const PolygonFault fault = polygon_fault(shape.corner); !fault.problem.empty())
     throw structure.error("plate", "a plate that the surface's points can resolve: " + fault.problem,
                           fault.fix);
 }

@@ -326,6 +326,26 @@ TEST(Boundary, ABodyThatGoesOverASeamEndsTheRun) {
   }
 }
 
+// A straight line between their places as they are stored goes through the whole tank, and the body in it.
+TEST(Boundary, WaterOverASeamBesideABodyHasItsPairs) {
+  Parameters p = tank_case(0.6, 0.2, l0, 0.2);
+  p.periodic = {true, false, false};
+  State<2> state = fill<2>(p);
+  const double low = p.tank.min.x(), high = p.tank.max.x();
+  Boundary<2> boundary(p, rectangle(high - 0.2, 0.02, 0.199, 0.05, l0), {}, state);
+  state.position.col(0) << low + 0.5 * l0, 0.04;
+  state.position.col(1) << high - 0.05 * l0, 0.04;
+  state.position.col(2) << high - 0.05 * l0, 0.04 + l0;
+  boundary.tags(state);
+  for (const std::int32_t j : {1, 2}) {
+    EXPECT_TRUE(boundary.keep(state, 0, j));
+    EXPECT_TRUE(boundary.keep(state, j, 0));
+    EXPECT_NEAR(boundary.way_around(state, 0, j), std::hypot(0.55, j - 1) * l0, 1e-12);
+  }
+  state.position.col(3) << high - 0.21, 0.04;  // behind the body
+  EXPECT_FALSE(boundary.keep(state, 1, 3));
+}
+
 TEST(Boundary, DummiesContinueTheHydrostaticPressureAndTheBodysOwnAcceleration) {
   Scene scene(rectangle(-0.1, 0.0, 0.2, 0.02, l0));
   std::fill(scene.state.surface.begin(), scene.state.surface.end(), std::uint8_t{0});

@@ -331,6 +331,35 @@ TEST(Tank, ARollingTankTurnsItsRowsNormalsAndVelocities) {
   }
 }
 
+// As a belt under water that is sheared.
+TEST(Tank, APeriodicTankMayRunPastManyPeriods) {
+  Parameters p;
+  p.spacing = l0;
+  p.tank = {{0, 0, 0}, {0.5, 0.3, 0}};
+  p.water = {{0, 0, 0}, {0.5, 0.2, 0}};
+  p.periodic = {true, false, false};
+  p.motion.amplitude = {2.2, 0, 0};
+  p.motion.frequency = 1;
+  p.end_time = 1;
+  auto state = fill<2>(p);
+  Tank<2> tank(p, 3.1 * l0, state);
+  constexpr double dt = 0.001;
+  for (int step = 1; step <= 250; ++step) {
+    tank.move(state, step * dt, false);
+    const double speed =
+        2.2 *
+        (std::sin(2 * std::numbers::pi * step * dt) - std::sin(2 * std::numbers::pi * (step - 1) * dt)) / dt;
+    for (std::int64_t i = tank.first(); i < tank.last(); i += 7)
+      ASSERT_NEAR(state.velocity(0, i), speed, 1e-9) << step;
+    tank.move(state, step * dt, true);
+    state.time = step * dt;
+  }
+  for (std::int64_t i = tank.first(); i < tank.last(); ++i) {
+    EXPECT_GE(state.position(0, i), 0);
+    EXPECT_LT(state.position(0, i), 0.5);
+  }
+}
+
 TEST(Tank, TheSineOfATankIsSmoothFromItsRampOn) {
   TankMotion motion;
   motion.amplitude = {0.1, 0, 0};

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 
 namespace strake::fluid {
@@ -84,6 +85,54 @@ TEST(WallContact, AFaceOfABodyThatStoodInTheWaterComesAndGoesGradually) {
   resumed.update(step.boundary, step.state, step.near_gradient(), 0.001);
   EXPECT_NEAR(resumed.bare(keel), 0.5, 1e-12);
   EXPECT_EQ(part_after(0.03, 0.02), 0);
+}
+
+// Where two walls meet, all of r counts but its part along their edge.
+TEST(WallContact, EdgesOfATankThatRollsTurnWithIt) {
+  Parameters p = channel();
+  p.motion.roll = 0.5;
+  p.motion.frequency = 1;
+  p.end_time = 1;
+  StepData<3> step(p, {}, {}, PairData::inverses, {});
+  WallContact<3> walls(step.boundary, step.state, l0);
+  const Eigen::Matrix3Xd start = step.state.position;
+  const double quarter = 0.25;
+  step.boundary.move_tank(step.state, quarter, false);
+  step.boundary.move_tank(step.state, quarter, true);
+  step.state.time = quarter;
+  step.search_neighbours();
+  walls.update(step.boundary, step.state, step.near_gradient());
+  const WallContact<3> resumed(step.boundary, step.state, l0);
+  const Eigen::Vector3d along(std::cos(0.5), std::sin(0.5), 0);
+  int edges = 0;
+  for (std::int64_t j = step.boundary.water(); j < step.boundary.first_of_bodies(); ++j) {
+    const Eigen::Vector3d x = start.col(j);
+    const bool of_floor_and_side = x.y() < p.tank.min.y() && (x.z() < 0 || x.z() > width) &&
+                                   x.x() > p.tank.min.x() && x.x() < p.tank.max.x();
+    if (!of_floor_and_side) continue;
+    ++edges;
+    EXPECT_LT(walls.projection(j, along).norm(), 1e-12);
+    EXPECT_LT(resumed.projection(j, along).norm(), 1e-12);
+  }
+  EXPECT_GT(edges, 0);
+}
+
+// A layer that goes over the seam of a tank that sways along it stays on its edge.
+TEST(WallContact, EdgesOfATankThatSwaysOverASeamKeepTheirDirection) {
+  Parameters p = channel();
+  p.periodic = {true, false, false};
+  p.motion.amplitude = {0.03, 0, 0};
+  p.motion.frequency = 1;
+  p.end_time = 1;
+  StepData<3> step(p, {}, {}, PairData::inverses, {});
+  step.boundary.move_tank(step.state, 0.25, false);
+  step.boundary.move_tank(step.state, 0.25, true);
+  step.state.time = 0.25;
+  const WallContact<3> resumed(step.boundary, step.state, l0);
+  for (std::int64_t j = step.boundary.water(); j < step.boundary.first_of_bodies(); ++j)
+    if (resumed.corner(j)) {
+      EXPECT_EQ(resumed.projection(j, Eigen::Vector3d::UnitX()).norm(), 0);
+    }
 }
 
 }  // namespace

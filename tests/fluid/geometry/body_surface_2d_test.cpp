@@ -2,6 +2,7 @@
 
 #include "structure/body/surface.hpp"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -137,6 +138,54 @@ TEST(BodySurface2d, AClosedOutlineOfKnucklesAloneKeepsThem) {
     for (const int i : edge.stretch)
       nearest = std::min(nearest, (outline.vertex(edge.vertex + i) - place).norm());
     EXPECT_NEAR(nearest, 0, 1e-12);
+  }
+}
+
+// A mesh of any program may be finer than the water: bilges rounded by a tenth of a spacing, rounded numbers.
+TEST(BodySurface2d, DetailsFinerThanTheWaterMakeNoEdgesAndNoStretches) {
+  Places box;
+  for (const auto& [x, from] : {std::pair(0.099, 270), std::pair(-0.099, 180)})
+    for (int k = 0; k <= 9; ++k) {
+      const double angle = (from + 10 * k) * std::numbers::pi / 180;
+      box.emplace_back(x + 0.001 * std::cos(angle), 0.001 + 0.001 * std::sin(angle));
+      if (from == 270 && k == 9) box.insert(box.end(), {{0.1, 0.1}, {-0.1, 0.1}});
+    }
+  const BodySurface2d sharp(polygon(box), l0);
+  ASSERT_EQ(sharp.edges().size(), 4u);
+  for (int edge = 0; edge < 4; ++edge) EXPECT_TRUE(sharp.is_between_sharp_corners(edge));
+  Places stairs;  // a round bottom in steps of a millimetre
+  for (const Eigen::Vector2d& x : arc(180, 360, 0.5)) {
+    const Eigen::Vector2d rounded(1e-3 * std::round(1e3 * x.x()), 1e-3 * std::round(1e3 * x.y()));
+    if (stairs.empty() || stairs.back() != rounded) stairs.push_back(rounded);
+  }
+  stairs.insert(stairs.end(), {{R, R + 0.1}, {-R, R + 0.1}});
+  const BodySurface2d round(polygon(stairs), l0);
+  EXPECT_EQ(round.edges().size(), 2u);
+  for (const BodySurface2d::Edge& edge : round.edges()) EXPECT_LT(edge.stretch.size(), 6u);  // lone turns
+}
+
+// Every piece is an edge or a stretch of its own.
+TEST(BodySurface2d, CornersBetweenEdgesOfOnePieceTurnWithTheBody) {
+  for (const Places& body :
+       {Places{{0, 0}, {0.01, 0.002}, {0.012, 0.012}, {-0.001, 0.01}}, arc(15, 345, 30),
+        Places{{0, 0}, {0.009, 0.006}, {0.006, 0.014}, {-0.006, 0.014}, {-0.009, 0.006}}}) {
+    BodySurface2d outline(polygon(body, 0.1), body.size() > 6 ? 0.08 : l0);
+    ASSERT_EQ(outline.points(), std::ssize(body));
+    const auto vertices = outline.points() + static_cast<int>(outline.edges().size());
+    Places before;
+    for (int v = 0; v < vertices; ++v) before.push_back(outline.vertex(v));
+    const Eigen::Matrix2Xd X = outline.mesh().position.topRows<2>();
+    const Eigen::Matrix2d turn = Eigen::Rotation2D<double>(0.8).toRotationMatrix();
+    const Eigen::Matrix2Xd x = (turn * X).colwise() + Eigen::Vector2d(0.3, -0.2);
+    const double rate = 5;
+    Eigen::Matrix2Xd velocity(2, X.cols());
+    velocity << -rate * x.row(1), rate * x.row(0);
+    outline.move(x - X, velocity);
+    for (int v = 0; v < vertices; ++v) {
+      const Eigen::Vector2d at = outline.vertex(v);
+      EXPECT_LT((at - turn * before[static_cast<std::size_t>(v)] - Eigen::Vector2d(0.3, -0.2)).norm(), 1e-12);
+      EXPECT_LT((outline.vertex_velocity(v) - rate * Eigen::Vector2d(-at.y(), at.x())).norm(), 1e-11);
+    }
   }
 }
 
