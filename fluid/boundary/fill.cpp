@@ -17,6 +17,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 
 namespace strake::fluid {
 namespace {
@@ -124,7 +125,7 @@ namespace {
 /// polygon. One that lies on an edge of the polygon counts as a little above and to the right of it, so that
 /// round-off decides nothing.
 template <int dim>
-bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spacing) {
+bool holds(std::span<const Eigen::Vector3d> shape, Vector<dim> x, double spacing) {
   if (shape.size() == 2)
     return (x.array() > shape[0].head<dim>().array()).all() &&
            (x.array() < shape[1].head<dim>().array()).all();
@@ -141,7 +142,7 @@ bool holds(const std::vector<Eigen::Vector3d>& shape, Vector<dim> x, double spac
 
 template <int dim>
 bool is_water_at(const Parameters& p, const Vector<dim>& x) {
-  if (p.water_shapes.empty()) return holds<dim>({p.water.min, p.water.max}, x, p.spacing);
+  if (p.water_shapes.empty()) return holds<dim>(std::array{p.water.min, p.water.max}, x, p.spacing);
   return std::any_of(p.water_shapes.begin(), p.water_shapes.end(),
                      [&](const auto& shape) { return holds<dim>(shape, x, p.spacing); });
 }

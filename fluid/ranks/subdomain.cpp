@@ -97,15 +97,28 @@ void Subdomain<dim>::take_part(State<dim>& state, std::int64_t water) {
 template <int dim>
 bool Subdomain<dim>::is_due(const State<dim>& state) const {
   const Division& now = *division_;
-  const std::int64_t water = local_water();
+  const std::int64_t water = local_water(), all = now.layer_bucket.empty() ? water : state.position.cols();
+  const Vector<dim>& size = buckets_.size();
   bool left = false;
-#pragma omp parallel for schedule(static) reduction(|| : left)
-  for (std::int64_t i = 0; i < state.position.cols(); ++i) {
-    if (i < water && !owns(i)) continue;
-    if (i >= water && now.layer_bucket.empty()) continue;
-    const Bucket& bucket = i < water ? now.bucket[static_cast<std::size_t>(i)]
-                                     : now.layer_bucket[static_cast<std::size_t>(i - water)];
-    left = left || !(buckets_.outside(state.position.col(i), bucket) <= slack_);
+#pragma omp parallel reduction(|| : left)
+  {
+    Bucket before{};
+    Vector<dim> low = buckets_.corner_of(before), high = low + size;
+#pragma omp for schedule(static)
+    for (std::int64_t i = 0; i < all; ++i) {
+      if (i < water && !owns(i)) continue;
+      const Bucket& bucket = i < water ? now.bucket[static_cast<std::size_t>(i)]
+                                       : now.layer_bucket[static_cast<std::size_t>(i - water)];
+      if (bucket != before) {  // particles that follow one another are mostly in one bucket
+        before = bucket;
+        low = buckets_.corner_of(bucket);
+        high = low + size;
+      }
+      bool inside = true;
+      for (int d = 0; d < dim; ++d)
+        inside = inside && state.position(d, i) >= low[d] && state.position(d, i) <= high[d];
+      left = left || (!inside && !(buckets_.outside(state.position.col(i), bucket) <= slack_));
+    }
   }
   return communicator_->any(left);
 }

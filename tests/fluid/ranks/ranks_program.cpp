@@ -1,8 +1,8 @@
 // Water on processes, for fluid_ranks.py: mpirun -n N fluid_mpi_ranks FOLDER. The first rank writes
 // FOLDER/N.json, and the whole state after one step as bytes, sorted by particle. With "counts" behind it,
 // for scale_model.py: counts of a step of a larger box, far from the steps in which the water is sorted.
-// With "column" or "entry", a dimension and a number of particles behind it, for rank_iterations.py: the
-// iterations of each of the first steps.
+// With "column", "entry" or "still", a dimension and a number of particles behind it, for rank_iterations.py
+// and rank_instructions.py: the iterations of each of the first steps.
 
 #include "fluid/ranks/boomer_amg.hpp"
 #include "fluid/ranks/zoltan_partition.hpp"
@@ -125,9 +125,21 @@ Flow<dim> entry_of(double particles) {
   return flow;
 }
 
+/// Still water twice as wide as deep, in space as deep as it is long.
+template <int dim>
+Flow<dim> still_of(double particles) {
+  const double l0 = 0.01, depth = 5 * l0 * std::round(0.2 * std::pow(0.5 * particles, 1.0 / dim));
+  Flow<dim> flow{.p = tank_case(2 * depth, depth, l0, 0.2 * depth), .body = {}, .dt = 1.5e-3};
+  flow.p.dimension = dim;
+  if (dim == 3) flow.p.tank.max[2] = flow.p.water.max[2] = depth;
+  return flow;
+}
+
 template <int dim>
 std::string iterations(const std::string& name, double particles, MpiCommunicator& ranks) {
-  const Flow<dim> flow = name == "column" ? column_of<dim>(particles) : entry_of<dim>(particles);
+  const Flow<dim> flow = name == "still"    ? still_of<dim>(particles)
+                         : name == "column" ? column_of<dim>(particles)
+                                            : entry_of<dim>(particles);
   Simulation<dim> simulation(flow.p, flow.body, flow.velocity(),
                              Ranks{&ranks, zoltan_partition, [&] { return boomer_amg(ranks); }});
   std::vector<int> counts;
