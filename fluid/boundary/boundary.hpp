@@ -161,6 +161,13 @@ class Boundary {
   }
   /// Returns the same distance from the nearest free end: a sharp corner that does not stand at a wall [m].
   double inside_free_end(int point, const Vector<dim>& x) const;
+  /// Returns the same distance from the nearest keel of at most a right angle [m]; infinity in the plane.
+  double inside_keel(int point, const Vector<dim>& x) const {
+    if constexpr (dim == 2)
+      return std::numeric_limits<double>::infinity();
+    else
+      return body_surface_.inside_keel(point, x);
+  }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
   /// The same of the face in front of a first-layer particle, of tank or body.

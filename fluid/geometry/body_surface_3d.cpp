@@ -342,6 +342,14 @@ bool BodySurface3d::faces(int k, const Vector3& x) const {
   return past <= allowed;
 }
 
+double BodySurface3d::inside_keel(int k, const Vector3& x) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
+    if (edge.lean > 1) nearest = std::min(nearest, away);
+  });
+  return std::isinf(nearest) || holds(k, x) ? nearest : -nearest;
+}
+
 auto BodySurface3d::nearest(const Vector3& x) const -> Foot {
   const TriangleGrid::Foot foot = grid_.nearest(x);
   return {point_in_[static_cast<std::size_t>(foot.triangle)], foot.position, foot.distance};

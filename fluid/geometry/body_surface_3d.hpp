@@ -89,6 +89,9 @@ class BodySurface3d {
   double within(int k, const Vector3& x) const {
     return within(k, x, [](bool, const Vector3&) { return true; });
   }
+  /// Returns how far x lies inside the nearest edge that is a keel of at most a right angle, along the face
+  /// [m]. It is negative past it, and infinite where none is near.
+  double inside_keel(int k, const Vector3& x) const;
   /// Whether the patch of wet point k lies in one plane at the start and has such corners alone.
   bool is_between_sharp_corners(int k) const {
     return patches_.between_sharp_corners[static_cast<std::size_t>(edge_of(k))] != 0;

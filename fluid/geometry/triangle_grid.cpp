@@ -113,6 +113,24 @@ auto TriangleGrid::foot_on(int t, const Vector3& x) const -> Foot {
   return foot;
 }
 
+/// Returns how far x lies in front of the plane of a triangle [m].
+double TriangleGrid::height_over(int t, const Vector3& x) const {
+  const Vector3 normal = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+  const double size = normal.norm();
+  return size > 0 ? normal.dot(x - corner(t, 0)) / size : 0;
+}
+
+// Before an edge all its triangles are equally far, whatever round-off gives. The one that x is most in front
+// of is taken: on either side of the plane that halves the edge that is the triangle of this side.
+bool TriangleGrid::is_before(const Foot& foot, const Foot& best, const Vector3& x) const {
+  constexpr double round_off = 1e-9;
+  if (best.triangle < 0) return foot.distance < best.distance;
+  const double slack = round_off * (cell_ + best.distance);
+  if (std::abs(foot.distance - best.distance) > slack) return foot.distance < best.distance;
+  const double more = height_over(foot.triangle, x) - height_over(best.triangle, x);
+  return std::abs(more) > slack ? more > 0 : foot.triangle < best.triangle;
+}
+
 /// Distance of x from a cell, a little less for round-off [m]. No triangle has a nearer place in that cell.
 double TriangleGrid::distance_to_cell(const Cell& cell, const Vector3& x) const {
   constexpr double round_off = 1e-9;
@@ -154,8 +172,7 @@ auto TriangleGrid::nearest(const Vector3& x, double limit) const -> Foot {
           for (int m = start_[cell]; m < start_[cell + 1]; ++m) {
             const int t = member_[static_cast<std::size_t>(m)];
             const Foot foot = foot_on(t, x);
-            if (foot.distance < best.distance || (foot.distance == best.distance && t < best.triangle))
-              best = foot;
+            if (is_before(foot, best, x)) best = foot;
           }
         }
       }

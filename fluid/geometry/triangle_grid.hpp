@@ -24,7 +24,8 @@ class TriangleGrid {
     Vector3 position = Vector3::Zero();
     double distance = std::numeric_limits<double>::infinity();  // [m]
   };
-  /// The nearest place of the surface within `limit` [m]; on equal distances that of the first triangle.
+  /// The nearest place of the surface within `limit` [m]. Of triangles that are equally near, those beside an
+  /// edge, it is on the one that x is most in front of, and then on the first.
   Foot nearest(const Vector3& x, double limit = std::numeric_limits<double>::infinity()) const;
   /// Whether the surface encloses x: an odd number of triangles above it.
   bool inside(const Vector3& x) const;
@@ -48,6 +49,8 @@ class TriangleGrid {
   }
   Vector3 corner(int triangle, int k) const { return position_.col(faces_(k, triangle)); }
   Foot foot_on(int triangle, const Vector3& x) const;
+  double height_over(int triangle, const Vector3& x) const;
+  bool is_before(const Foot&, const Foot& best, const Vector3& x) const;
   bool above(int triangle, const Vector3& x) const;
 
   Eigen::Matrix3Xd position_;

@@ -31,6 +31,7 @@ struct LeastSquaresConstants {
   double own_side = 0.75;  // [l0] the same for its distance beside the face's middle. Chosen
   double own_fades = 0.5;  // [l0] over this distance. Chosen
   double at_end = 0.25;  // [l0] water this near to a face's sharp end lies at its corner. Chosen; 0.5: blows
+  double at_keel = 0.6;  // [l0] the same of a keel in space. Chosen; 0.25: blows
   double past_end = 1;   // [l0] and water that is less far past the end. Chosen
   double stopped = 0.3;  // [l0] height below which no residual velocity past a face is left. Chosen
 

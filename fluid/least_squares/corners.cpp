@@ -16,8 +16,8 @@ namespace strake::fluid {
 
 namespace {
 
-/// Whether particle i lies less than `past_end` past the sharp end of a face, and more than `at_end` inside
-/// no face.
+/// Whether particle i lies at the end of all wet faces beside it: at a sharp end at most `at_end` inside it,
+/// at a keel in space `at_keel`, and less than `past_end` past one of them.
 template <int dim>
 bool is_at_corner(const Boundary<dim>& boundary, const WallContact<dim>& walls, const State<dim>& state,
                   std::span<const std::int32_t> columns, std::int64_t i, double spacing) {
@@ -27,9 +27,12 @@ bool is_at_corner(const Boundary<dim>& boundary, const WallContact<dim>& walls, 
     const std::int64_t j = columns[e];
     if (j < boundary.first_of_bodies()) break;
     if (!walls.wet(j)) continue;
-    const double to_end = boundary.inside_free_end(boundary.point_of(j), state.position.col(i)) / spacing;
-    if (to_end > tuned.at_end) return false;
-    near = near || to_end > -tuned.past_end;
+    const int point = boundary.point_of(j);
+    const double to_end = boundary.inside_free_end(point, state.position.col(i)) / spacing,
+                 to_keel = boundary.inside_keel(point, state.position.col(i)) / spacing;
+    const bool at_end = to_end <= tuned.at_end, at_keel = to_keel <= tuned.at_keel;
+    if (!at_end && !at_keel) return false;
+    near = near || (at_end && to_end > -tuned.past_end) || (at_keel && to_keel > -tuned.past_end);
   }
   return near;
 }

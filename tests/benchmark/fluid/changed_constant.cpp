@@ -33,6 +33,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"own_side", &LeastSquaresConstants::own_side},
     {"own_fades", &LeastSquaresConstants::own_fades},
     {"at_end", &LeastSquaresConstants::at_end},
+    {"at_keel", &LeastSquaresConstants::at_keel},
     {"past_end", &LeastSquaresConstants::past_end},
     {"stopped", &LeastSquaresConstants::stopped},
     {"steepest", &LeastSquaresConstants::steepest},
@@ -53,7 +54,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 38 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 39 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");

@@ -147,6 +147,30 @@ TEST(FadingEdge, WaterBesideASharpKeelSeesNoLayerOfTheOtherSide) {
   EXPECT_GT(looked, 100);
 }
 
+TEST(FadingEdge, BeforeAStemTheNearestTriangleIsThatOfThisSide) {
+  const BodySurface3d& body = hull_in_water();
+  for (double y = -0.1; y < 0; y += 0.0037)
+    for (const double z : {1e-4, 1e-3, 4e-3})
+      for (const int side : {1, -1}) {
+        const Vector3d x(0.512, y, side * z);
+        EXPECT_GT(side * body.face_normal(body.near(x, reach).triangle).z(), 0) << x.transpose();
+      }
+}
+
+TEST(FadingEdge, HowFarWaterLiesInsideAKeelIsCountedAlongTheFace) {
+  const BodySurface3d& body = hull_in_water();
+  for (const int side : {1, -1}) {
+    const double y = -0.11;
+    const Vector3d foot(0.44, y, side * half_breadth(0.44, y));
+    const int k = wet_point(body, foot);
+    const double inside = std::hypot(draught + y, foot.z());
+    EXPECT_NEAR(body.inside_keel(k, foot), inside, 0.1 * inside);
+    EXPECT_LT(body.inside_keel(k, Vector3d(0.44, -0.13, 0)), 0) << "under the keel";
+    EXPECT_GT(body.inside_keel(wet_point(body, {0, -0.06, side * 0.09}), Vector3d(0, -0.06, side * 0.1)), 1)
+        << "no keel amidships";
+  }
+}
+
 TEST(FadingEdge, AmidshipsTheKeelIsNoEdge) {
   const BodySurface3d& body = hull_in_water();
   const Vector3d below(0.02, -0.125, 0.003);
