@@ -279,19 +279,11 @@ bool BodySurface3d::holds(int k, const Vector3& c) const {
 bool BodySurface3d::is_beyond_fading_edge(int k, const Vector3& x) const {
   double nearest = std::numeric_limits<double>::infinity();
   bool beyond = false;
-  const int t = points_.point[static_cast<std::size_t>(k)].triangle;
-  const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
-  for (auto e = edge_start_[static_cast<std::size_t>(k)]; e < edge_start_[static_cast<std::size_t>(k) + 1];
-       ++e) {
-    const LocalEdge& edge = edge_[e];
-    if (edge.theirs < 0) continue;
-    const Vector3 from = point_.col(k) + edge.from.x() * e1 + edge.from.y() * e2,
-                  along = point_.col(k) + edge.to.x() * e1 + edge.to.y() * e2 - from;
-    const Vector3 arm = x - from - std::clamp((x - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
-    if (arm.squaredNorm() >= nearest) continue;
-    nearest = arm.squaredNorm();
-    beyond = arm.dot(face_normal_.col(edge.mine) - face_normal_.col(edge.theirs)) < 0;
-  }
+  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
+    if (edge.theirs < 0 || away >= nearest) return;
+    nearest = away;
+    beyond = (x - place).dot(face_normal_.col(edge.mine) - face_normal_.col(edge.theirs)) < 0;
+  });
   return beyond;
 }
 
