@@ -377,9 +377,9 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
 }
 
 template <int dim>
-double Boundary<dim>::inside_free_end(int point, const Vector<dim>& x) const {
+double Boundary<dim>::inside_free_end(int point, const Vector<dim>& x, bool only_sharp) const {
   const auto is_free = [&](bool sharp, const Vector<dim>& place) {
-    return sharp && tank_.distance(place) > 0.5 * spacing_;
+    return (sharp || !only_sharp) && tank_.distance(place) > 0.5 * spacing_;
   };
   if constexpr (dim == 3) {
     return body_surface_.within(point, x, is_free);

@@ -159,8 +159,9 @@ class Boundary {
     else
       return body_surface_.is_curved(point);
   }
-  /// Returns the same distance from the nearest free end: a sharp corner that does not stand at a wall [m].
-  double inside_free_end(int point, const Vector<dim>& x) const;
+  /// Returns the same distance from the nearest free end [m]: a corner that does not stand at a wall.
+  /// only_sharp: of at most a right angle, and no keel.
+  double inside_free_end(int point, const Vector<dim>& x, bool only_sharp = true) const;
   /// Returns the same distance from the nearest keel of at most a right angle [m]; infinity in the plane.
   double inside_keel(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)

@@ -12,6 +12,10 @@ namespace {
 /// Heights of water over a face at which the face becomes wet or dry [l0]. A dry face becomes wet below the
 /// first, a wet face becomes dry above the second. The first layer of a lattice has the height 0.5.
 constexpr double joining_height = 0.52, leaving_height = 1.0;
+/// Water whose velocity past a dry face points away from it by more than the first, the sine of 15 degrees,
+/// leaves the body there, where a corner is nearer than the second [l0]: it lies beside the first face.
+/// Chosen; a slope of 0.1 gives the same, 0.5 is too much for sides of 60 degrees.
+constexpr double leaving_slope = 0.26, leaving_reach = 1.5;
 /// Distance along the face up to which water counts [l0].
 constexpr double aside = 1.01;
 /// Distance of a body before a wall below which it covers the wall [l0].
@@ -95,12 +99,26 @@ void WallContact<dim>::place_bodies(const Boundary<dim>& boundary, const State<d
   }
 }
 
+/// Whether water leaves a body at a face: beside a corner where the face begins, with the velocity u past it,
+///   u·n > leaving_slope |u| .
+/// Water that passes a chine is near the face beyond, and flies away from it. As a face that the water has
+/// met, it would hold the water until that is l0 away, and then let it go in one step.
+template <int dim>
+bool WallContact<dim>::leaves(const Boundary<dim>& boundary, const State<dim>& state, std::int64_t row,
+                              std::int64_t particle, const Vector<dim>& place) const {
+  const Vector<dim> past = state.velocity.col(particle) - state.velocity.col(row);
+  return past.dot(axis_.col(row - first_)) > leaving_slope * past.norm() &&
+         boundary.inside_free_end(boundary.point_of(row), place, false) < leaving_reach * spacing_;
+}
+
 template <int dim>
 typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundary<dim>& boundary,
                                                                    const State<dim>& state,
                                                                    const Neighbours& near,
                                                                    std::int64_t j) const {
   Nearest nearest{std::numeric_limits<double>::infinity(), -1};
+  const bool meets = j >= boundary.first_of_bodies() && !boundary.volume() &&
+                     state.surface[static_cast<std::size_t>(j)] != 0 && !fades();
   for (const std::int32_t i : near.row(j)) {
     if (i >= boundary.water()) break;
     const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
@@ -111,6 +129,8 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
       const double up = r.dot(axis_.col(j - first_));
       if (r.squaredNorm() - up * up > aside * aside * spacing_ * spacing_) continue;
       height = (up - depth_[j - first_]) / spacing_;
+      if (meets && height < joining_height && leaves(boundary, state, j, i, state.position.col(j) + r))
+        continue;
     }
     if (height < nearest.height) nearest = {height, i};
   }

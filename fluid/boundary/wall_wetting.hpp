@@ -86,6 +86,8 @@ class WallContact {
     double height;
     std::int64_t particle;
   };
+  bool leaves(const Boundary<dim>&, const State<dim>&, std::int64_t row, std::int64_t particle,
+              const Vector<dim>& place) const;
   Nearest nearest_water(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t row) const;
   void list_joined(const Boundary<dim>&, const State<dim>&);
   void place_bodies(const Boundary<dim>&, const State<dim>&);

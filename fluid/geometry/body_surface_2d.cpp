@@ -297,7 +297,8 @@ bool BodySurface2d::is_between_sharp_corners(int edge) const {
 BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) const {
   const Edge& r = edges_[static_cast<std::size_t>(edge)];
   const Ending& end = ends_[static_cast<std::size_t>(edge)][last ? 1 : 0];
-  return {end.place, end.inside(x), last ? r.end_sharp : r.start_sharp};
+  const double inside = r.closed ? std::numeric_limits<double>::infinity() : end.inside(x);
+  return {end.place, inside, last ? r.end_sharp : r.start_sharp};
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {

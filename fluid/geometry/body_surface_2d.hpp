@@ -91,7 +91,7 @@ class BodySurface2d {
     if (edges_[static_cast<std::size_t>(edge)].closed) return std::numeric_limits<double>::infinity();
     return std::min(start.inside(x), end.inside(x));
   }
-  /// One end of an edge, and how far inside it x lies, along the face [m].
+  /// One end of an edge, and how far inside it x lies, along the face [m]; infinite where it has no ends.
   struct End {
     Vector2 place;
     double inside;

@@ -87,6 +87,41 @@ TEST(WallContact, AFaceOfABodyThatStoodInTheWaterComesAndGoesGradually) {
   EXPECT_EQ(part_after(0.03, 0.02), 0);
 }
 
+// Water that has passed a corner and flies away from the face beyond does not meet it. Water that slides
+// along the face, or comes back to it, does.
+TEST(WallContact, WaterThatLeavesABodyDoesNotMeetItsFace) {
+  const Parameters p = channel();
+  const InterfaceMesh body = keel_between_walls(0.003);
+  Points down = Points::Zero(3, body.position.cols()), velocity = down;
+  down.row(1).setConstant(-0.02);
+  velocity.row(1).setConstant(-5);
+  StepData<3> step(p, body, down, PairData::inverses, {});
+  const auto wet_faces = [&](double along, double away, bool is_beside_keel) {
+    step.boundary.move(step.state, down, velocity, true);
+    step.search_neighbours();
+    WallContact<3> walls(step.boundary, step.state, l0);
+    for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j)
+      step.state.surface[static_cast<std::size_t>(j)] = 1;
+    const Eigen::Vector3d slope = Eigen::Vector3d(1, 1, 0).normalized(), normal(slope.y(), -slope.x(), 0);
+    for (std::int64_t i = 0; i < step.boundary.water(); ++i)
+      step.state.velocity.col(i) = Eigen::Vector3d(0, -5, 0) + along * slope + away * normal;
+    walls.update(step.boundary, step.state, step.near_gradient());
+    int wet = 0;  // faces on the starboard side, beside the keel or far from it
+    for (std::int64_t j = step.boundary.first_of_bodies(); j < step.state.position.cols(); ++j)
+      if (step.boundary.master_of(j) < 0 && walls.normal(j).x() > 0 &&
+          (step.state.position(1, j) < -0.008) == is_beside_keel)
+        wet += walls.wet(j) ? 1 : 0;
+    return wet;
+  };
+  const int beside = wet_faces(0, 0, true), far = wet_faces(0, 0, false);
+  EXPECT_GT(beside, 0);
+  EXPECT_GT(far, 0);
+  EXPECT_EQ(wet_faces(5, -1, true), beside);
+  EXPECT_EQ(wet_faces(5, 1, true), beside);  // at 11 degrees
+  EXPECT_EQ(wet_faces(5, 3, true), 0);
+  EXPECT_EQ(wet_faces(5, 3, false), far);
+}
+
 // Where two walls meet, all of r counts but its part along their edge.
 TEST(WallContact, EdgesOfATankThatRollsTurnWithIt) {
   Parameters p = channel();
