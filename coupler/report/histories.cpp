@@ -94,6 +94,10 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
       ReferenceLine line = {.name = in_words(judged.metric) + ", " + judged.kind,
                             .value = judged.reference.value_or(0)};
       line.within = half_band(judged);
+      const CompareBlock* block = run.block_of(judged);
+      if (block != nullptr &&
+          (block->divide_by != 1 || (impulse && block->window && !is_of_contact(*block->window))))
+        continue;
       if (impulse) {
         const double from = at_or(run.contact, probe);
         line.name = "impulse of the first 300 µs, " + judged.kind;  // cases/VALIDATION.md, "Definitions"

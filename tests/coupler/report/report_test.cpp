@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -161,6 +162,74 @@ TEST(Metrics, WhatStaysAtZeroOrAtRoundOffIsFoldedAway) {
   for (const char* shown : {"body.fy", "body.rate"}) EXPECT_LT(html.find(shown), fold) << shown;
   for (const char* folded : {"body.fx", "body.moment", "body.angle"})
     EXPECT_GT(html.find(folded), fold) << folded;
+}
+
+/// A run folder with a case of compare blocks and a summary.
+Recorded run_of(const TemporaryFolder& folder, const std::string& blocks, const std::string& summary) {
+  const auto put = [&](const char* name, const std::string& text) {
+    std::ofstream(folder.path() / name) << text;
+  };
+  put("run.json", R"({"contact": {"p": 0.1}})");
+  put("case.toml", "title = \"t\"\n" + blocks);
+  put("summary.json", summary);
+  put("history.csv", "time [s],p [Pa],p.impulse [Pa s]\n0.1,0,0\n0.2,10,1\n0.3,20,3\n");
+  return read_run(folder.path());
+}
+
+TEST(Failures, OfSeveralBodiesAreToldBodyByBody) {
+  TemporaryFolder one, none;
+  const std::string html = failures({run_of(one, "", R"({"failure": {"left": {"start": {"time": 1e-3,
+      "x": 0.2, "y": 0, "z": 0}, "crack": null, "parted": null, "energy": 3.5}, "right": null}})")});
+  for (const char* words : {"left: strength reached", "left: energy released", "200 mm", "3.5 J"})
+    EXPECT_NE(html.find(words), std::string::npos) << words << "\n" << html;
+  EXPECT_EQ(html.find("right"), std::string::npos) << "nothing can break it";
+  EXPECT_EQ(failures({run_of(none, "", R"({"failure": {"left": null, "right": null}})")}), "");
+}
+
+// A block with a window, or with a divisor, measures something else than the probe's own record.
+TEST(Metrics, AReferenceStandsBesideWhatItsBlockMeasured) {
+  TemporaryFolder folder;
+  const Recorded run = run_of(folder, R"(
+[[compare]]
+probe = "p"
+value = { impulse = 2.0, peak = 4.0 }
+tolerance = { impulse = 0.5, peak = 0.5 }
+window = { from = 0.1, to = 0.3 }
+divide_by = 5.0
+source = "s"
+)",
+                              R"({"probes": {"p": {"unit": "Pa", "impulse": 7.5, "peak": 20}}, "compare": [
+{"probe": "p", "metric": "impulse", "value": 0.6, "reference": 2, "tolerance": 0.5, "pass": false,
+ "kind": "theory", "source": "s"},
+{"probe": "p", "metric": "peak", "value": 4, "reference": 4, "tolerance": 0.5, "pass": true,
+ "kind": "theory", "source": "s"}]})");
+  const std::string html = metrics({run});
+  EXPECT_NE(html.find(">0.6<"), std::string::npos) << html;
+  for (const char* of_another : {"7.5 Pa s", "600 mPa s", "4 Pa<"})
+    EXPECT_EQ(html.find(of_another), std::string::npos) << of_another << "\n" << html;
+  EXPECT_EQ(history_figures({run}, "").find("300 µs"), std::string::npos) << "the block has its own window";
+}
+
+TEST(StudyChecks, AReferenceOfZeroHasDeviationsInItsUnitAndWhatIsMissingIsNotOutside) {
+  StudyData study;
+  study.columns = {{"front", "largest_deviation", "m"}};
+  study::CheckResult check;
+  check.probe = "front";
+  check.metric = "largest_deviation";
+  check.reference = 0;
+  check.value = check.deviation = 0.02;
+  check.tolerance = 0.03;
+  check.pass = true;
+  study.checks = {check};
+  check.value = check.deviation = {};
+  check.pass = false;
+  study.checks.push_back(check);
+  const std::string html = study_checks(study);
+  EXPECT_EQ(html.find('%'), std::string::npos) << html;
+  EXPECT_EQ(count(html, "20 mm"), 2U) << "value and deviation";
+  EXPECT_EQ(count(html, "30 mm"), 2U);
+  EXPECT_EQ(html.find("outside"), std::string::npos);
+  EXPECT_NE(html.find("not measured"), std::string::npos);
 }
 
 TEST(Histories, WhatFallsFromItsStartOrAtContactHasNoFirstPeak) {
