@@ -329,6 +329,24 @@ TEST(Pictures, ABodyInOnePlaceIsDrawnWithAllOfTheWater) {
   EXPECT_EQ(count(pictures({run}, {0}), "<figure>"), 1U);
 }
 
+TEST(Sketch, ARigidBodyHasNoSupports) {
+  Recorded run;
+  const auto set = [&](const char* key, const char* value) {
+    run.settings.push_back({key, value, "", "case"});
+  };
+  set("fluid.tank", "[[-1, -1], [1, 1]]");
+  set("structure.plate.length", "0.4");
+  set("structure.plate.thickness", "0.02");
+  set("structure.plate.bottom", "[0, 0, 0]");
+  set("structure.plate.supports.left", "clamped");
+  set("structure.solver", "fem");
+  picture::Scene scene;
+  scene.cells = {{{{-0.2, 0}, {0.2, 0}, {0.2, 0.02}, {-0.2, 0.02}}, 0}};
+  EXPECT_NE(sketch(run, &scene).find("supports: left clamped"), std::string::npos);
+  run.settings.back().value = "rigid";
+  EXPECT_EQ(sketch(run, &scene).find("clamped"), std::string::npos);
+}
+
 TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {
   const auto three = places("[[-1, -0.5, 0], [1, 1e-1, 0]]");
   ASSERT_EQ(three.size(), 2U);
