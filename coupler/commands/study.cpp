@@ -196,7 +196,9 @@ std::string percent(const std::optional<double>& part) {
 void print_checks(const std::vector<CheckResult>& checks) {
   if (!checks.empty()) fmt::print("\n");
   for (const CheckResult& c : checks) {
-    const std::string other = c.against.empty() ? fmt::format("{}, {}", c.kind, c.source) : c.against;
+    const std::string other = !c.against.empty() ? c.against
+                              : c.source.empty() ? c.kind + ", no source is stated"
+                                                 : c.kind + ", " + c.source;
     const bool absolute = c.reference && *c.reference == 0;
     const std::string off =
         absolute && c.deviation ? fmt::format("{:.3g}", *c.deviation) : percent(c.deviation);

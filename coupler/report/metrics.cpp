@@ -49,9 +49,9 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
   return metric_unit(metric, unit);
 }
 
-/// "first_peak" → "first peak". judged: the case has a reference, which may have a window of its own.
-std::string words(const std::string& metric, bool judged) {
-  if (metric == "impulse" && !judged) return "impulse of the first 300 µs after contact";
+/// "first_peak" → "first peak". A reference with a window of its own says so beside its value.
+std::string words(const std::string& metric) {
+  if (metric == "impulse") return "impulse of the first 300 µs after contact";
   return metric == "mean_peak_50us" ? "largest mean of 50 µs" : in_words(metric);
 }
 
@@ -104,33 +104,33 @@ std::string unit_beside(const std::vector<Recorded>& runs, const Reference& refe
   return unit;
 }
 
-/// What a run measured of a metric, and its deviations from the references. A block with a window or a
-/// divisor of its own has a value of its own.
+/// What a run measured of a metric, and its deviations from the references. Of a block with a window or a
+/// divisor of its own its value stands there too.
 std::string measured_cell(const Recorded& run, const std::vector<Reference>& references,
                           const std::string& probe, const std::string& metric, const std::string& unit) {
   const ProbeResult* result = run.probe(probe);
   std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);
-  std::string deviations, others;
-  bool of_record = false, judged_at_all = false;
+  std::string deviations;
+  bool others = false;
   for (std::size_t i = 0; i < references.size(); ++i) {
     const Reference& reference = references[i];
     const study::CheckResult* judged = judged_by(run, reference);
     if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
     const CompareBlock* block = run.block_of(*judged);
-    const std::string beside = block != nullptr && block->divide_by != 1 ? "1" : unit;
-    const std::string text =
+    const bool divided = block != nullptr && block->divide_by != 1, of_record = is_of_record(block, metric);
+    const std::string beside = divided ? "1" : unit;
+    if (of_record && !value) value = judged->value;
+    others = others || !of_record;
+    deviations += "<br>";
+    if (!of_record)
+      deviations += quantity_cell(judged->value, beside) +
+                    fmt::format(" <span class=\"to\">{}{}:</span> ", block->window ? "in its window" : "",
+                                divided ? fmt::format(" over {:g}", block->divide_by) : "");
+    deviations +=
         fmt::format("{} <span class=\"to\">to [{}]</span> {}", off(*judged, beside), i + 1, verdict(*judged));
-    judged_at_all = true;
-    if (is_of_record(block, metric)) {
-      of_record = true;
-      if (!value) value = judged->value;
-      deviations += "<br>" + text;
-    } else {
-      others += (others.empty() ? "" : "<br>") + quantity_cell(judged->value, beside) + "<br>" + text;
-    }
   }
-  if (judged_at_all && !of_record) return others;
-  return quantity_cell(value, unit) + deviations + (others.empty() ? "" : "<br>" + others);
+  constexpr std::size_t line_break = 4;  // characters: no value stands before it
+  return !value && others ? deviations.substr(line_break) : quantity_cell(value, unit) + deviations;
 }
 
 std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Reference>& references,
@@ -161,10 +161,7 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
   table.head(names);
   for (const std::string& metric : metrics) {
     const std::string unit = unit_of(runs, probe, metric);
-    const bool judged = std::any_of(references.begin(), references.end(), [&](const Reference& r) {
-      return r.probe == probe && r.metric == metric;
-    });
-    std::vector<std::string> cells = {escape(words(metric, judged))};
+    std::vector<std::string> cells = {escape(words(metric))};
     for (const Recorded& run : runs) {
       cells.push_back(measured_cell(run, references, probe, metric, unit));
     }

@@ -192,7 +192,10 @@ std::string study_checks(const StudyData& study) {
          !check.tolerance ? std::string("stated only")
          : absolute       ? quantity(check.tolerance, unit)
                           : fmt::format("{:g} %", 100 * *check.tolerance),
-         escape(check.kind), words_cell(check.against.empty() ? check.source : check.against)});
+         escape(check.kind),
+         words_cell(!check.against.empty() ? check.against
+                    : check.source.empty() ? "no source is stated"
+                                           : check.source)});
   }
   return section("checks", "Checks", table.html());
 }

@@ -204,8 +204,9 @@ source = "s"
 {"probe": "p", "metric": "peak", "value": 4, "reference": 4, "tolerance": 0.5, "pass": true,
  "kind": "theory", "source": "s"}]})");
   const std::string html = metrics({run});
-  EXPECT_NE(html.find(">0.6<"), std::string::npos) << html;
-  for (const char* of_another : {"7.5 Pa s", "600 mPa s", "4 Pa<"})
+  for (const char* own : {"7.5 Pa s", "20 Pa", ">0.6<", ">4<", "in its window over 5:"})
+    EXPECT_NE(html.find(own), std::string::npos) << own << "\n" << html;
+  for (const char* of_another : {"600 mPa s", "4 Pa<", "2 Pa s"})
     EXPECT_EQ(html.find(of_another), std::string::npos) << of_another << "\n" << html;
   EXPECT_EQ(history_figures({run}, "").find("300 µs"), std::string::npos) << "the block has its own window";
 }
@@ -230,6 +231,7 @@ TEST(StudyChecks, AReferenceOfZeroHasDeviationsInItsUnitAndWhatIsMissingIsNotOut
   EXPECT_EQ(count(html, "30 mm"), 2U);
   EXPECT_EQ(html.find("outside"), std::string::npos);
   EXPECT_NE(html.find("not measured"), std::string::npos);
+  EXPECT_EQ(count(html, "no source is stated"), 2U);
 }
 
 TEST(Histories, WhatFallsFromItsStartOrAtContactHasNoFirstPeak) {
