@@ -130,6 +130,8 @@ TEST(CompareBlocks, RefuseAReferenceThatIsNotFiniteWithItsLine) {
   expect_refused([&] { read(head + "1,2\n1,3\n"); }, "does not ascend");
   expect_refused([&] { read("T [1],Z [1]\n0,0\n1,1\n"); }, "axes = { time");
   expect_refused([&] { read("T [ms],Z [1]\n0,0\n1,1\n"); }, "not in seconds");
+  expect_refused([&] { read("time [s],uy [mm]\n0,0\n1,1\n"); }, "axes = { value = 0.001 }");
+  EXPECT_EQ(read("time [s],roll [deg]\n0,0\n1,1\n").size(), 1U);
 }
 
 TEST(CompareBlocks, AreExplainedWithoutAFile) {
