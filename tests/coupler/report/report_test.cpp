@@ -266,6 +266,29 @@ TEST(Histories, ComponentsAtRoundOffAreNotDrawn) {
     EXPECT_EQ(count(html, not_drawn), 0U) << not_drawn;
 }
 
+TEST(Histories, AReferenceWithAWindowIsDrawnOverItAlone) {
+  Recorded run = run_with("force.y", {1, 2, 3, 4}, {4, 4});
+  study::CheckResult verdict;
+  verdict.probe = "force.y";
+  verdict.metric = "mean";
+  verdict.kind = "theory";
+  verdict.reference = 3.5;
+  run.compare = {verdict};
+  CompareBlock block;
+  block.probe = "force.y";
+  block.metrics = {{"mean", 3.5, 0.1}};
+  run.blocks = {block};
+  const std::string whole = history_figures({run}, "");
+  run.blocks.front().window = {"start", 2, 4};
+  const std::string part = history_figures({run}, "");
+  EXPECT_NE(part, whole);
+  run.blocks.front().window = {"start", 0.5, 1, true};
+  EXPECT_EQ(history_figures({run}, ""), part) << "the last half of four seconds";
+  run.contact["body"] = 1;
+  run.blocks.front().window = {"contact", 1, 3};
+  EXPECT_EQ(history_figures({run}, ""), part);
+}
+
 TEST(Histories, AReferenceCurveIsDrawnOnceBesideTheRuns) {
   Recorded run = run_with("front", {1, 2, 3}, {3, 3});
   run.reference_curves = {{"front", "measured, experiment", {{1, 2}, {1.1, 2.2}}}};
