@@ -354,6 +354,18 @@ TEST(Pictures, ABodyInOnePlaceIsDrawnWithAllOfTheWater) {
   EXPECT_EQ(count(pictures({run}, {0}), "<figure>"), 1U);
 }
 
+TEST(Limits, AirIsJudgedByThePressureOfTheOpenAirOfItsCase) {
+  Recorded run;
+  run.solver["fluid"] = "own";
+  run.history.columns = {{"time", "s"}, {"air.left", "m"}, {"air.largest_pressure", "Pa"}};
+  run.history.value = {{0, 1}, {0.01, 0.005}, {0, 50e3}};
+  EXPECT_NE(limits({run}).find("compressed a little"), std::string::npos);
+  run.settings = {{"fluid.air.pressure", "10000", "Pa", "case"}};
+  EXPECT_NE(limits({run}).find("shaped the peak"), std::string::npos);
+  run.settings = {{"fluid.air.pressure", "1e6", "Pa", "case"}};
+  EXPECT_NE(limits({run}).find("hardly mattered"), std::string::npos);
+}
+
 TEST(Sketch, ARigidBodyHasNoSupports) {
   Recorded run;
   const auto set = [&](const char* key, const char* value) {
