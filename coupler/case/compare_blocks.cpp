@@ -1,4 +1,5 @@
 #include "coupler/compare/compare_block.hpp"
+#include "coupler/compare/record.hpp"
 #include "proto/case/case_file.hpp"
 #include "proto/files/history.hpp"
 #include "proto/visible.hpp"
@@ -38,6 +39,24 @@ bool needs_reference(const std::string& metric) {
   return metric == "l2" || metric == "dtw" || metric == "largest_deviation" || metric == "mean_deviation";
 }
 
+/// Refuses a reference whose header names other units than those of a run, unless the block says how long one
+/// is. Angles of bodies are in degrees in a run too.
+void check_units(const CompareBlock& block, const Table& table) {
+  const std::string place = block.file.string() + ":1";
+  if (!block.column.empty()) table.column(block.column);  // refuses a name that is not there
+  const Column &time = table.columns[0],
+               &value = table.columns[block.column.empty() ? 1 : *table.find(block.column)];
+  if (time.unit != "s" && block.axes.time == 1)
+    throw Error(ExitCode::case_file, place,
+                fmt::format("its first column ({}) is in \"{}\", not in seconds", time.name, time.unit),
+                "give the compare block the unit: axes = { time = … }, in seconds");
+  const SiUnit si = in_si(value.unit);
+  if (si.factor != 1 && value.unit != "deg" && block.axes.value == 1)
+    throw Error(ExitCode::case_file, place,
+                fmt::format("its column {} is in \"{}\", not in \"{}\"", value.name, value.unit, si.unit),
+                fmt::format("give the compare block the unit: axes = {{ value = {:g} }}", si.factor));
+}
+
 /// Refuses a reference with anything but finite numbers, with its line.
 void check_reference(const CompareBlock& block) {
   const std::filesystem::path& path = block.file;
@@ -45,12 +64,7 @@ void check_reference(const CompareBlock& block) {
   if (table.columns.size() < 2)
     throw Error(ExitCode::case_file, path.string() + ":1",
                 "a reference curve has two columns, time and value");
-  if (!block.column.empty()) table.column(block.column);
-  if (table.columns[0].unit != "s" && block.axes.time == 1)
-    throw Error(ExitCode::case_file, path.string() + ":1",
-                fmt::format("its first column ({}) is in \"{}\", not in seconds", table.columns[0].name,
-                            table.columns[0].unit),
-                "give the compare block the unit: axes = { time = … }, in seconds");
+  check_units(block, table);
   // Lines of numbers follow the header; comments and empty lines do not count.
   std::vector<std::size_t> line_of_row;
   std::ifstream in(path);

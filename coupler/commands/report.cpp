@@ -14,18 +14,20 @@ namespace {
 
 using report::Recorded;
 
-/// "4 of 5 references within tolerance; 1 run is not finished."
+/// "4 of 5 references within tolerance, 1 not reached. 1 of 2 is not finished."
 std::string verdict_sentence(const std::vector<Recorded>& runs) {
-  int judged = 0, passed = 0, unfinished = 0;
+  int judged = 0, passed = 0, open = 0, unfinished = 0;
   for (const Recorded& run : runs) {
     unfinished += run.finished() ? 0 : 1;
     for (const study::CheckResult& one : run.compare) {
       ++judged;
       passed += one.pass.value_or(false) ? 1 : 0;
+      open += one.pass ? 0 : 1;
     }
   }
   std::string text = judged == 0 ? std::string("No reference of the case applies.")
-                                 : fmt::format("{} of {} references within tolerance.", passed, judged);
+                                 : fmt::format("{} of {} references within tolerance{}.", passed, judged,
+                                               open > 0 ? fmt::format(", {} not reached", open) : "");
   if (unfinished > 0)
     text +=
         fmt::format(" {} of {} {} not finished.", unfinished, runs.size(), unfinished == 1 ? "is" : "are");

@@ -71,7 +71,8 @@ Json json_of(const CheckResult& c) {
           {"tolerance", finite(c.tolerance)},
           {"pass", c.pass ? Json(*c.pass) : Json(nullptr)},
           {"kind", c.kind},
-          {"source", c.source}};
+          {"source", c.source},
+          {"unit", c.unit}};
 }
 
 Json json_of(const Reference& r) {
@@ -195,18 +196,20 @@ std::string percent(const std::optional<double>& part) {
 void print_checks(const std::vector<CheckResult>& checks) {
   if (!checks.empty()) fmt::print("\n");
   for (const CheckResult& c : checks) {
-    const std::string other = c.against.empty() ? fmt::format("{}, {}", c.kind, c.source) : c.against;
-    const std::string off = c.reference && *c.reference == 0 && c.deviation
-                                ? fmt::format("{:.3g}", *c.deviation)
-                                : percent(c.deviation);
-    fmt::print("{}",
-               visible(fmt::format(
-                   "  {}  {} {} {}: {} ({})   {}\n",
-                   !c.pass   ? "    "
-                   : *c.pass ? "pass"
-                             : "FAIL",
-                   c.run, c.probe, c.metric, off,
-                   c.tolerance ? fmt::format("within {:.3g} %", 100 * *c.tolerance) : "stated only", other)));
+    const std::string other = !c.against.empty() ? c.against
+                              : c.source.empty() ? c.kind + ", no source is stated"
+                                                 : c.kind + ", " + c.source;
+    const bool absolute = c.reference && *c.reference == 0;
+    const std::string off =
+        absolute && c.deviation ? fmt::format("{:.3g}", *c.deviation) : percent(c.deviation);
+    const std::string within = !c.tolerance ? "stated only"
+                               : absolute   ? fmt::format("within {:.3g}", *c.tolerance)
+                                            : fmt::format("within {:.3g} %", 100 * *c.tolerance);
+    fmt::print("{}", visible(fmt::format("  {}  {} {} {}: {} ({})   {}\n",
+                                         !c.pass   ? "    "
+                                         : *c.pass ? "pass"
+                                                   : "FAIL",
+                                         c.run, c.probe, c.metric, off, within, other)));
   }
 }
 

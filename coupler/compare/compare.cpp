@@ -14,8 +14,6 @@ namespace {
 
 using Metric = CompareBlock::Metric;
 
-// cases/VALIDATION.md, "Definitions": the impulse of a probe's own record runs over this time after contact.
-constexpr double impulse_window = 3.0e-4;  // [s]
 // Two times are the same within this part of them.
 constexpr double slack = 1e-9;
 
@@ -108,6 +106,8 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
   if (curve.size() == 0) return std::nullopt;
   // A row of a load is the mean of its window.
   if (metric == "impulse" && is_load(block.probe)) return impulse_of_means(curve, from, to);
+  if (metric == "mean" && is_load(block.probe) && to > from)
+    return impulse_of_means(curve, from, to) / (to - from);
   if (metric == "impulse") return impulse(curve, from, to);
   if (metric == "mean") return mean(curve, from, to);
   if (metric == "rms") return rms(curve, from, to);
@@ -152,8 +152,7 @@ std::optional<double> measured(const CompareBlock& block, const std::string& met
       if (!contact) return std::nullopt;
       origin = *contact;
       // The probe's own record runs from step to step; the history only from window to window.
-      if (metric == "impulse" && !block.window->shares && block.window->from == 0 &&
-          std::abs(block.window->to - impulse_window) <= slack * impulse_window)
+      if (metric == "impulse" && is_of_contact(*block.window))
         if (const auto value = known(data, name)) return value;
     }
     if (block.window->shares) {

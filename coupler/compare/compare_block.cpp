@@ -58,6 +58,12 @@ bool equal(const std::string& first, const std::string& second) {
 
 }  // namespace
 
+bool is_of_contact(const CompareBlock::Span& window) {
+  constexpr double slack = 1e-9;
+  return window.after == "contact" && !window.shares && window.from == 0 &&
+         std::abs(window.to - impulse_window) <= slack * impulse_window;
+}
+
 bool applies(const CompareBlock& block, const CaseLookup& lookup) {
   return std::all_of(block.when.begin(), block.when.end(), [&](const auto& condition) {
     const std::optional<std::string> value = lookup(condition.first);

@@ -15,6 +15,10 @@ class CaseFile;
 /// no such key.
 using CaseLookup = std::function<std::optional<std::string>(const std::string& key)>;
 
+/// cases/VALIDATION.md, "Definitions": the impulse of a probe's own record runs over this time after contact
+/// [s].
+inline constexpr double impulse_window = 3.0e-4;
+
 /// One [[compare]] table: what a case expects of itself.
 struct CompareBlock {
   struct Metric {
@@ -43,6 +47,9 @@ struct CompareBlock {
   Axes axes;
   std::string where;  // "case.toml:40:1: compare", for messages
 };
+
+/// Whether a window is the one over which a probe's own record has its impulse: 300 µs from contact on.
+bool is_of_contact(const CompareBlock::Span&);
 
 /// True if every condition of the block is met. Numbers compare as numbers (inf too), lists of numbers item
 /// by item, the rest as text.

@@ -91,6 +91,7 @@ std::string metric_unit(const std::string& metric, const std::string& unit) {
   if (metric.starts_with("time_of_") || metric == "period" || metric == "onset") return "s";
   if (metric == "l2" || metric == "dtw") return "1";
   if (metric == "frequency") return "Hz";
+  if (metric == "slope") return unit == "m/s" ? "m/s^2" : unit + "/s";
   if (metric != "impulse") return unit;
   return unit == "1" ? "s" : unit + " s";
 }

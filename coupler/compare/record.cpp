@@ -57,8 +57,8 @@ std::optional<double> contact_of(const fs::path& run) {
   return earliest;
 }
 
-/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it, or is
-/// an account that one of several bodies keeps.
+/// Whether a column says where a rigid body or a frame of supports is, what it does and what acts on it, or
+/// is an account that one of several bodies keeps.
 bool tells_of_place(const std::string& column) {
   const auto dot = column.find('.');
   const std::string own = dot == std::string::npos ? "" : column.substr(dot + 1);  // of one of several bodies
@@ -102,6 +102,8 @@ Curve curve_of(const Table& table, const std::string& column) {
 }
 
 bool is_load(const std::string& column) {
+  for (const std::string own : {"body.fx", "body.fy", "body.fz", "body.moment"})
+    if (column == own || column.ends_with("." + own)) return true;
   const std::string vector = column.substr(0, column.rfind('.'));  // of several bodies "left.force"
   const std::string last = vector.substr(vector.rfind('.') + 1);
   return vector != column && (last == "force" || last == "moment");
@@ -171,7 +173,7 @@ std::vector<std::string> RecordSource::telling_quantities() const {
   if (!chosen_.empty() || peaks_.empty()) return names;  // a file, or a run whose probes nobody has told yet
   std::vector<std::string> telling;
   for (const std::string& name : names)
-    if (is_load(name) || (peaks_.contains(name) && !tells_of_place(name))) telling.push_back(name);
+    if ((is_load(name) || peaks_.contains(name)) && !tells_of_place(name)) telling.push_back(name);
   return telling;
 }
 

@@ -53,8 +53,9 @@ class RecordSource {
       peaks_;  // probe → first peak, peak; of summary.json
 };
 
-/// Whether a column of a run is a component of force or moment: on the body ("force.y"), on one of several
-/// bodies ("left.force.y"), or of an attachment ("mooring.force.y").
+/// Whether a column of a run is a component of force or moment, the mean of its window. It is that on the body
+/// ("force.y") or on one of several ("left.force.y"), as a rigid body tells it ("body.fy", "body.moment"), or
+/// of an attachment ("mooring.force.y").
 bool is_load(const std::string& column);
 /// A column over "time" without the rows in which one of them is empty; empty where there is no such column.
 Curve curve_of(const Table&, const std::string& column);

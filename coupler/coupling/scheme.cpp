@@ -126,6 +126,10 @@ void Scheme::set_state(CouplingState state) {
                 fmt::format("its interface does not have the structure's {} points and fields", n),
                 "resume with the case that the checkpoint was made with");
   state_ = std::move(state);
+  // The accelerator begins a window with what it kept of the one before, field by field.
+  pending_.sends_velocity = state_.sends_velocity;
+  if (state_.windows > 0)
+    tell_blocks(state_.structure.back(), state_.fluid.empty() ? of_fluid_ : state_.fluid.back().fields);
 }
 
 // The coupled map H: motion of the structure → fluid → load → structure. The fluid is given x, the structure
@@ -151,8 +155,7 @@ WindowReport Scheme::advance(const Window& window) {
                    shorter->fix);
     report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));
     IterationReport& row = report.log.back();
-    if (auto fields = blocks(now); iteration == 1 && fields.size() > 1)
-      accelerator_->set_blocks(std::move(fields));
+    if (iteration == 1) tell_blocks(now.answer, now.load);
     report.converged = row.settled();
     if ((report.converged && iteration >= convergence.min_iterations) || iteration >= most) break;
     next_guess(window, now);

@@ -112,7 +112,8 @@ class Scheme {
   /// True if a window uses the load of the one before; only then it is kept.
   bool needs_last_load() const;
   IterationReport measure(const Window&, int iteration, const Iterate&, const IterationReport* first) const;
-  std::vector<AcceleratorBlock> blocks(const Iterate&) const;
+  std::vector<AcceleratorBlock> blocks(const StructureSample&, const std::vector<Field>& load) const;
+  void tell_blocks(const StructureSample&, const std::vector<Field>& load);
   Eigen::VectorXd stack(const StructureSample&, const std::vector<Field>& load) const;
   void next_guess(const Window&, Iterate&);
   void start_attachments(const Window&, Iterate&);

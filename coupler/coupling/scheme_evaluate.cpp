@@ -135,16 +135,21 @@ void Scheme::receive_structure(const Window& window, int iteration, Iterate& now
 }
 
 // A motion is one field: its velocity stands there as a length.
-std::vector<AcceleratorBlock> Scheme::blocks(const Iterate& now) const {
+std::vector<AcceleratorBlock> Scheme::blocks(const StructureSample& structure,
+                                             const std::vector<Field>& load) const {
   std::vector<AcceleratorBlock> blocks;
   const auto add = [&](const Field& field) { blocks.push_back({field.quantity, field.value.size()}); };
-  if (const auto& motion = now.answer.motion)
+  if (const auto& motion = structure.motion)
     blocks.push_back({"displacement",
                       motion->displacement.size() + (pending_.sends_velocity ? motion->velocity.size() : 0)});
-  for (const Field& field : now.answer.others) add(field);
+  for (const Field& field : structure.others) add(field);
   if (parameters_.parallel)
-    for (const Field& field : now.load) add(field);
+    for (const Field& field : load) add(field);
   return blocks;
+}
+
+void Scheme::tell_blocks(const StructureSample& structure, const std::vector<Field>& load) {
+  if (auto fields = blocks(structure, load); fields.size() > 1) accelerator_->set_blocks(std::move(fields));
 }
 
 // All unknowns one below the other: the structure's fields, and in a parallel scheme the fluid's.

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace strake::report {
 namespace {
@@ -81,6 +83,21 @@ double half_band(const study::CheckResult& judged) {
   return reference == 0 ? tolerance : tolerance * std::abs(reference);
 }
 
+/// The time that a window of a block covers in a run; none where its contact is not known.
+std::optional<std::pair<double, double>> time_of(const CompareBlock::Span& window, const Recorded& run,
+                                                 const std::string& probe) {
+  double origin = 0;
+  if (window.after == "contact") {
+    if (run.contact.empty()) return std::nullopt;
+    const auto own = run.contact.find(probe);
+    const auto earliest =
+        std::ranges::min_element(run.contact, {}, [](const auto& contact) { return contact.second; });
+    origin = own != run.contact.end() ? own->second : earliest->second;
+  }
+  const double unit = window.shares ? run.end_time.value_or(0) - origin : 1;
+  return std::pair{origin + unit * window.from, origin + unit * window.to};
+}
+
 /// References of the metrics that are values of the curve itself. Those of an impulse belong to its own
 /// column.
 std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const std::string& column) {
@@ -94,10 +111,16 @@ std::vector<ReferenceLine> lines_for(const std::vector<Recorded>& runs, const st
       ReferenceLine line = {.name = in_words(judged.metric) + ", " + judged.kind,
                             .value = judged.reference.value_or(0)};
       line.within = half_band(judged);
+      const CompareBlock* block = run.block_of(judged);
+      if (block != nullptr &&
+          (block->divide_by != 1 || (impulse && block->window && !is_of_contact(*block->window))))
+        continue;
       if (impulse) {
         const double from = at_or(run.contact, probe);
         line.name = "impulse of the first 300 µs, " + judged.kind;  // cases/VALIDATION.md, "Definitions"
         line.over = {from, from + 300e-6};
+      } else if (block != nullptr && block->window) {
+        line.over = time_of(*block->window, run, probe);
       }
       if (std::none_of(lines.begin(), lines.end(),
                        [&](const ReferenceLine& l) { return l.value == line.value && l.name == line.name; }))

@@ -3,7 +3,6 @@
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
-#include "proto/lookup.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -50,9 +49,9 @@ std::string unit_of(const std::vector<Recorded>& runs, const std::string& probe,
   return metric_unit(metric, unit);
 }
 
-/// "first_peak" → "first peak". judged: the case has a reference, which may have a window of its own.
-std::string words(const std::string& metric, bool judged) {
-  if (metric == "impulse" && !judged) return "impulse of the first 300 µs after contact";
+/// "first_peak" → "first peak". A reference with a window of its own says so beside its value.
+std::string words(const std::string& metric) {
+  if (metric == "impulse") return "impulse of the first 300 µs after contact";
   return metric == "mean_peak_50us" ? "largest mean of 50 µs" : in_words(metric);
 }
 
@@ -83,9 +82,55 @@ std::string verdict(const study::CheckResult& judged) {
   return badge(kind, word);
 }
 
+/// Whether a block measures what the probe's own record tells: without a window or a divisor of its own.
+bool is_of_record(const CompareBlock* block, const std::string& metric) {
+  if (block == nullptr) return true;
+  const bool own_window = block->window && !(metric == "impulse" && is_of_contact(*block->window));
+  return block->divide_by == 1 && !own_window;
+}
+
 std::string off(const study::CheckResult& judged, const std::string& unit) {
   const auto off = judged.deviation;
   return number_cell(off, judged.reference == 0 ? quantity(off, unit) : percent(off));
+}
+
+/// The unit of a reference and what is measured beside it: what is divided by a number of the case has none
+/// that Strake knows.
+std::string unit_beside(const std::vector<Recorded>& runs, const Reference& reference,
+                        const std::string& unit) {
+  for (const Recorded& run : runs)
+    if (const study::CheckResult* judged = judged_by(run, reference))
+      if (const CompareBlock* block = run.block_of(*judged)) return block->divide_by == 1 ? unit : "1";
+  return unit;
+}
+
+/// What a run measured of a metric, and its deviations from the references. Of a block with a window or a
+/// divisor of its own its value stands there too.
+std::string measured_cell(const Recorded& run, const std::vector<Reference>& references,
+                          const std::string& probe, const std::string& metric, const std::string& unit) {
+  const ProbeResult* result = run.probe(probe);
+  std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);
+  std::string deviations;
+  bool others = false;
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    const Reference& reference = references[i];
+    const study::CheckResult* judged = judged_by(run, reference);
+    if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
+    const CompareBlock* block = run.block_of(*judged);
+    const bool divided = block != nullptr && block->divide_by != 1, of_record = is_of_record(block, metric);
+    const std::string beside = divided ? "1" : unit;
+    if (of_record && !value) value = judged->value;
+    others = others || !of_record;
+    deviations += "<br>";
+    if (!of_record)
+      deviations += quantity_cell(judged->value, beside) +
+                    fmt::format(" <span class=\"to\">{}{}:</span> ", block->window ? "in its window" : "",
+                                divided ? fmt::format(" over {:g}", block->divide_by) : "");
+    deviations +=
+        fmt::format("{} <span class=\"to\">to [{}]</span> {}", off(*judged, beside), i + 1, verdict(*judged));
+  }
+  constexpr std::size_t line_break = 4;  // characters: no value stands before it
+  return !value && others ? deviations.substr(line_break) : quantity_cell(value, unit) + deviations;
 }
 
 std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Reference>& references,
@@ -116,30 +161,17 @@ std::string metric_table(const std::vector<Recorded>& runs, const std::vector<Re
   table.head(names);
   for (const std::string& metric : metrics) {
     const std::string unit = unit_of(runs, probe, metric);
-    const bool judged = std::any_of(references.begin(), references.end(), [&](const Reference& r) {
-      return r.probe == probe && r.metric == metric;
-    });
-    std::vector<std::string> cells = {escape(words(metric, judged))};
+    std::vector<std::string> cells = {escape(words(metric))};
     for (const Recorded& run : runs) {
-      const ProbeResult* result = run.probe(probe);
-      std::optional<double> value = result == nullptr ? std::nullopt : result->metric(metric);
-      std::string deviations;
-      for (std::size_t i = 0; i < references.size(); ++i) {
-        const Reference& reference = references[i];
-        const study::CheckResult* judged = judged_by(run, reference);
-        if (reference.probe != probe || reference.metric != metric || judged == nullptr) continue;
-        if (!value) value = judged->value;
-        deviations += fmt::format("<br>{} <span class=\"to\">to [{}]</span> {}", off(*judged, unit), i + 1,
-                                  verdict(*judged));
-      }
-      cells.push_back(quantity_cell(value, unit) + deviations);
+      cells.push_back(measured_cell(run, references, probe, metric, unit));
     }
     for (const std::string& kind : kinds) {
       std::string cell;
       for (std::size_t i = 0; i < references.size(); ++i)
         if (references[i].probe == probe && references[i].metric == metric && references[i].kind == kind)
-          cell += (cell.empty() ? "" : "<br>") + quantity_cell(references[i].value, unit) +
-                  allowed(references[i], unit) +
+          cell += (cell.empty() ? "" : "<br>") +
+                  quantity_cell(references[i].value, unit_beside(runs, references[i], unit)) +
+                  allowed(references[i], unit_beside(runs, references[i], unit)) +
                   fmt::format(" <a href=\"#source-{0}\" aria-label=\"source {0}\">[{0}]</a>", i + 1);
       cells.push_back(cell.empty() ? "–" : cell);
     }
@@ -268,37 +300,6 @@ std::string metrics(const std::vector<Recorded>& runs) {
       "<p>A deviation is (run − reference) / |reference|; “pass” means within the tolerance that the "
       "case states.</p>\n" +
           body);
-}
-
-std::string failures(const std::vector<Recorded>& runs) {
-  std::vector<std::string> names;
-  for (const Recorded& run : runs)
-    for (const FailureEvent& event : run.failure)
-      if (std::find(names.begin(), names.end(), event.name) == names.end()) names.push_back(event.name);
-  if (names.empty()) return {};
-  const std::map<std::string, std::string> words_of = {
-      {"start", "strength reached"}, {"crack", "first bond or cell broken"}, {"parted", "in two pieces"}};
-  HtmlTable table("When and where");
-  table.head(head_of(runs, {"event"}));
-  for (const std::string& name : names) {
-    std::vector<std::string> cells = {escape(at_or(words_of, name, name))};
-    for (const Recorded& run : runs) {
-      std::string cell = "–";
-      for (const FailureEvent& event : run.failure) {
-        if (event.name != name || !event.time) continue;
-        cell = quantity_cell(event.time, "s") + " <span class=\"n\">at x = " + quantity_cell(event.x, "m") +
-               ", y = " + quantity_cell(event.y, "m") + "</span>";
-        if (event.z.value_or(0) != 0)
-          cell += " <span class=\"n\">z = " + quantity_cell(event.z, "m") + "</span>";
-      }
-      cells.push_back(cell);
-    }
-    table.row(cells);
-  }
-  std::vector<std::string> energy = {"energy released"};
-  for (const Recorded& run : runs) energy.push_back(quantity_cell(run.failure_energy, "J"));
-  table.row(energy);
-  return section("failure", "Failure", "<p>Places are those of the unloaded structure.</p>\n" + table.html());
 }
 
 std::string checks(const std::vector<Recorded>& runs) {

@@ -3,6 +3,7 @@
 #include "coupler/plot/html.hpp"
 #include "coupler/report/sections.hpp"
 #include "coupler/report/sketch.hpp"
+#include "proto/text.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -102,7 +103,8 @@ std::string air_item(const Recorded& run) {
   std::size_t peak = 0;
   for (std::size_t k = 0; k < p.size(); ++k)
     if (p[k] > p[peak] || std::isnan(p[peak])) peak = k;
-  constexpr double open_air = 101325;  // [Pa]
+  // [Pa]; a case that is not whole: the default of the key
+  const double open_air = number_from<double>(run.setting("fluid.air.pressure")).value_or(101325);
   const char* const verdict = p[peak] < 0.1 * open_air ? "the air flowed out and hardly mattered"
                               : p[peak] < open_air     ? "the air was compressed a little"
                                                        : "the air was compressed and shaped the peak";

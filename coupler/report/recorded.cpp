@@ -122,6 +122,20 @@ void read_record(const Json& record, Recorded& run) {
   if (const auto text = read_text(string_of(record, "case"))) run.notes = notes_of(*text);
 }
 
+/// Of one structure its events, of several bodies the same under their names; null: nothing can break it.
+void read_failure(const Json& failure, const std::string& body, Recorded& run) {
+  if (!failure.is_object()) return;
+  if (const auto energy = number_of(failure, "energy")) run.failure_energy[body] = *energy;
+  for (const auto& [name, event] : failure.items()) {
+    const bool known = name == "start" || name == "crack" || name == "parted";
+    if (known)
+      run.failure.push_back({body, name, number_of(event, "time"), number_of(event, "x"),
+                             number_of(event, "y"), number_of(event, "z")});
+    else if (body.empty())
+      read_failure(event, name, run);
+  }
+}
+
 void read_summary(const Json& summary, Recorded& run) {
   run.end_time = number_of(summary, "end_time");
   run.windows = number_of(summary, "windows");
@@ -148,27 +162,23 @@ void read_summary(const Json& summary, Recorded& run) {
     if (const std::string text = string_of(entry, "text"); !text.empty()) run.alarms.push_back(text);
   for (const Json& entry : member(summary, "resolution"))
     if (entry.is_string()) run.resolution.push_back(entry.get<std::string>());
-  const Json& failure = member(summary, "failure");
-  run.failure_energy = number_of(failure, "energy");
-  if (failure.is_object())
-    for (const auto& [name, event] : failure.items())
-      if (event.is_object() || event.is_null())
-        run.failure.push_back({name, number_of(event, "time"), number_of(event, "x"), number_of(event, "y"),
-                               number_of(event, "z")});
+  read_failure(member(summary, "failure"), "", run);
   for (const Json& entry : member(summary, "compare"))
     if (entry.is_object()) run.compare.push_back(study::verdict_of(entry));
 }
 
-/// The curves with which the case of a run compares it.
-std::vector<ReferenceCurve> curves_of(const std::filesystem::path& case_file) {
-  std::vector<ReferenceCurve> curves;
+/// What the case of a run compares it with: its blocks, and their curves.
+void read_blocks(const std::filesystem::path& case_file, Recorded& run) {
   const auto text = read_text(case_file);
-  if (!text) return curves;
+  if (!text) return;
   const CaseLookup lookup = lookup_in(flatten_toml(*text, case_file.string()));
-  for (const CompareBlock& block : compare_blocks_of(case_file))
-    if (!block.file.empty() && applies(block, lookup))
-      curves.push_back({block.probe, block.file.stem().string() + ", " + block.kind, reference_curve(block)});
-  return curves;
+  for (CompareBlock& block : compare_blocks_of(case_file)) {
+    if (!applies(block, lookup)) continue;
+    if (!block.file.empty())
+      run.reference_curves.push_back(
+          {block.probe, block.file.stem().string() + ", " + block.kind, reference_curve(block)});
+    run.blocks.push_back(std::move(block));
+  }
 }
 
 }  // namespace
@@ -182,6 +192,15 @@ std::optional<double> ProbeResult::metric(const std::string& name) const {
 const ProbeResult* Recorded::probe(const std::string& wanted) const {
   for (const ProbeResult& result : probes)
     if (result.probe == wanted) return &result;
+  return nullptr;
+}
+
+const CompareBlock* Recorded::block_of(const study::CheckResult& judged) const {
+  for (const CompareBlock& block : blocks)
+    for (const CompareBlock::Metric& metric : block.metrics)
+      if (block.probe == judged.probe && block.kind == judged.kind && block.source == judged.source &&
+          metric.name == judged.metric && metric.value == judged.reference)
+        return &block;
   return nullptr;
 }
 
@@ -241,7 +260,7 @@ Recorded read_run(const std::filesystem::path& folder) {
     run.problems.emplace_back("case.toml is missing: what was set is not known");
   run.title = run.setting("title");
   try {
-    run.reference_curves = curves_of(folder / "case.toml");
+    read_blocks(folder / "case.toml", run);
   } catch (const Error& error) {
     run.problems.push_back("reference curves: " + error.problem());
   }

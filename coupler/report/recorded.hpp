@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/compare/compare_block.hpp"
 #include "coupler/compare/curve.hpp"
 #include "coupler/study/results.hpp"
 #include "proto/files/history.hpp"
@@ -27,6 +28,7 @@ struct ProbeResult {
 
 /// One line of summary.json's "failure": when and where, in the reference configuration.
 struct FailureEvent {
+  std::string body;  // of several, its name
   std::string name;
   std::optional<double> time, x, y, z;
 };
@@ -73,11 +75,14 @@ struct Recorded {
   std::vector<std::string> alarms, resolution;
   std::vector<study::CheckResult> compare;
   std::vector<ReferenceCurve> reference_curves;
+  std::vector<CompareBlock> blocks;  // that apply, of its case
   std::vector<FailureEvent> failure;
-  std::optional<double> failure_energy;
+  std::map<std::string, double> failure_energy;  // [J] of each body that may fail; "": of the only one
   Table history;
 
   const ProbeResult* probe(const std::string& name) const;
+  /// The block of the case that gave a verdict; null where the case is not whole.
+  const CompareBlock* block_of(const study::CheckResult&) const;
   std::string setting(const std::string& key) const;  // empty: none
   std::string state() const;                          // "finished", "stopped by the user" …
   bool finished() const { return exit_code == 0 || exit_code == 1; }

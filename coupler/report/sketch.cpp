@@ -122,10 +122,11 @@ std::vector<Place> corners_of_plate(const Recorded& run, const std::string& plat
   return at;
 }
 
-/// What holds a body, in words.
+/// What holds a body, in words. A rigid one has no supports, though its case may name them for other solvers.
 std::string draw_supports(PageCanvas& canvas, const Recorded& run, const View& view,
                           const std::string& body) {
   std::string said;
+  if (run.setting(body + ".solver") == "rigid") return said;
   if (const auto plate = corners_of_plate(run, body + ".plate"); !plate.empty()) {
     draw_sides(canvas, run, view, body + ".plate.supports", plate, said);
     return said;

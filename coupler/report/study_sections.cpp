@@ -175,19 +175,27 @@ std::string study_checks(const StudyData& study) {
   table.head({"check", "verdict", "run", "quantity", "value", "reference", "deviation", "allowed", "kind",
               "against"});
   for (const study::CheckResult& check : study.checks) {
-    std::string unit = "1";
+    std::string unit = check.unit.empty() ? "1" : check.unit;
     for (const auto& column : study.columns)
       if (column.probe == check.probe && column.metric == check.metric) unit = column.unit;
     const std::string kind = !check.pass ? "open" : *check.pass ? "good" : "bad";
-    table.row({escape(check.title),
-               badge(kind, !check.pass   ? "not judged"
-                           : *check.pass ? "pass"
-                                         : "outside"),
-               escape(check.run), escape(check.probe + " " + in_words(check.metric)),
-               quantity_cell(check.value, unit), quantity_cell(check.reference, unit),
-               number_cell(check.deviation, percent(check.deviation)),
-               check.tolerance ? fmt::format("{:g} %", 100 * *check.tolerance) : std::string("stated only"),
-               escape(check.kind), words_cell(check.against.empty() ? check.source : check.against)});
+    const bool absolute = check.reference == 0;  // then deviation and tolerance are in the quantity's unit
+    table.row(
+        {escape(check.title),
+         badge(kind, !check.pass       ? "not judged"
+                     : *check.pass     ? "pass"
+                     : check.deviation ? "outside"
+                                       : "not measured"),
+         escape(check.run), escape(check.probe + " " + in_words(check.metric)),
+         quantity_cell(check.value, unit), quantity_cell(check.reference, unit),
+         number_cell(check.deviation, absolute ? quantity(check.deviation, unit) : percent(check.deviation)),
+         !check.tolerance ? std::string("stated only")
+         : absolute       ? quantity(check.tolerance, unit)
+                          : fmt::format("{:g} %", 100 * *check.tolerance),
+         escape(check.kind),
+         words_cell(!check.against.empty() ? check.against
+                    : check.source.empty() ? "no source is stated"
+                                           : check.source)});
   }
   return section("checks", "Checks", table.html());
 }

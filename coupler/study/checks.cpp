@@ -53,7 +53,7 @@ Finding along(const Results& results, const Claim& claim, const Group& group) {
   finding.words = others_of(*group.front(), claim.axis) + joined(words);
   if (!finding.known) return finding;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double middle = 0.5 * (*low + *high), spread = (*high - *low) / middle;
+  const double middle = 0.5 * (*low + *high), spread = middle > 0 ? (*high - *low) / middle : 0;
   if (claim.rule == Claim::Rule::increases)
     finding.holds = std::is_sorted(values.begin(), values.end(), std::less_equal<>());
   else if (claim.rule == Claim::Rule::decreases)

@@ -51,12 +51,15 @@ GridConvergence grid_convergence(std::vector<double> along, std::vector<double> 
   }
   if (e32 / e21 < 0) {
     // Alternating differences: half of the last one is what can be said.
-    result.remark = fmt::format("oscillates: the last two differ by {:.2g} %", 100 * std::abs(e21 / f1));
+    result.remark =
+        f1 == 0 ? std::string("oscillates about 0")
+                : fmt::format("oscillates: the last two differ by {:.2g} %", 100 * std::abs(e21 / f1));
     return result;
   }
   const auto p = observed_order(e32 / e21, r21, r32);
   if (!p) {
-    result.remark = e32 / e21 > 1 ? "its differences fall faster than any order" : "does not converge";
+    const bool fast = e32 / e21 >= ratio_of(steepest, r21, r32);
+    result.remark = fast ? "its differences fall faster than any order" : "does not converge";
     return result;
   }
   result.order = p;

@@ -21,6 +21,13 @@ void take_numbers(const Json& object, const std::string& prefix, Values& values)
     if (value.is_number()) values[prefix + name] = value.get<double>();
 }
 
+/// Events of a failure and its energy, "failure.crack.time"; of several bodies "failure.left.crack.time".
+void take_failure(const Json& failure, const std::string& prefix, Values& values) {
+  take_numbers(failure, prefix, values);
+  if (!failure.is_object()) return;
+  for (const auto& [name, part] : failure.items()) take_failure(part, prefix + name + ".", values);
+}
+
 /// l2 or dtw of two whole records.
 std::optional<double> difference(const Results& results, const PlannedRun& run, const PlannedRun& other,
                                  const Quantity& q) {
@@ -94,7 +101,8 @@ CheckResult check_of(const Json& json) {
           .tolerance = number_of(json, "tolerance"),
           .pass = flag_of(json, "pass"),
           .kind = string_of(json, "kind"),
-          .source = string_of(json, "source")};
+          .source = string_of(json, "source"),
+          .unit = string_of(json, "unit")};
 }
 
 CheckResult verdict_of(const Json& json) {
@@ -106,15 +114,14 @@ CheckResult verdict_of(const Json& json) {
 
 Values read_values(const std::filesystem::path& folder) {
   const Json summary = read_json(folder / "summary.json");
-  const Json &iterations = member(summary, "iterations"), &failure = member(summary, "failure");
+  const Json& iterations = member(summary, "iterations");
   Values values;
   for (const auto& [probe, entry] : member(summary, "probes").items())
     take_numbers(entry, probe + ":", values);
   take_numbers(member(summary, "checks"), "", values);
   take_numbers(iterations, "iterations.", values);
   if (const auto mean = number_of(iterations, "mean")) values["iterations"] = *mean;
-  take_numbers(failure, "failure.", values);
-  for (const auto& [event, place] : failure.items()) take_numbers(place, "failure." + event + ".", values);
+  take_failure(member(summary, "failure"), "failure.", values);
   if (const auto wall = number_of(member(summary, "seconds"), "wall")) values["wall"] = *wall;
   if (const auto windows = number_of(summary, "windows")) values["windows"] = *windows;
   return values;
@@ -130,7 +137,8 @@ std::string Results::unit_of(const Quantity& q) const {
   if (q.probe.empty()) {
     const bool of_failure = q.metric.starts_with("failure.");
     if (q.metric == "wall" || (of_failure && q.metric.ends_with(".time"))) return "s";
-    return of_failure && q.metric != "failure.energy" ? "m" : "1";
+    if (of_failure) return q.metric.ends_with(".energy") ? "J" : "m";
+    return "1";
   }
   return metric_unit(q.metric, at_or(unit, q.probe, "1"));
 }
@@ -206,6 +214,7 @@ std::vector<CheckResult> judge_checks(const Results& results) {
       all.back().run = run;
     }
   }
+  for (CheckResult& check : all) check.unit = results.unit_of({check.probe, check.metric});
   return all;
 }
 

@@ -39,6 +39,7 @@ struct CheckResult {
   std::optional<double> tolerance;
   std::optional<bool> pass;  // none: stated only
   std::string kind, source;  // as in a compare block
+  std::string unit = {};     // of value and reference; of the deviation where the reference is 0
 };
 /// From an entry of study.json. What is missing there is empty.
 CheckResult check_of(const Json&);

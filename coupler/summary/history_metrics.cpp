@@ -19,9 +19,12 @@ bool is_account(const std::string& column) {
   constexpr std::array names = {"window",   "time", "iterations",         "residual",
                                 "work_gap", "cfl",  "pressure_iterations"};
   constexpr std::array prefixes = {"energy.", "water.", "failure.", "fluid.", "structure."};
+  const auto dot = column.find('.');
+  const std::string own = dot == std::string::npos ? "" : column.substr(dot + 1);  // of one of several bodies
   return std::any_of(names.begin(), names.end(), [&](const char* name) { return column == name; }) ||
          std::any_of(prefixes.begin(), prefixes.end(),
-                     [&](const char* prefix) { return column.starts_with(prefix); });
+                     [&](const char* prefix) { return column.starts_with(prefix); }) ||
+         own.starts_with("energy.") || own.starts_with("failure.");
 }
 
 double median_of_size(std::vector<double> values) {

@@ -38,16 +38,18 @@ std::optional<double> water_level(const CaseView& view) {
   return corners[corners.size() / 2 + 1];
 }
 
-std::optional<std::string> layers_line(const CaseView& view) {
-  if (view.structures.empty() || view.structures.front().solver != "particle") return std::nullopt;
-  const auto thickness = view.number("structure.plate.thickness");
-  const bool volume = view.common.interface == "volume";
-  const auto spacing = view.number(volume ? "fluid.spacing" : "structure.particle.spacing");
+/// Of a plate of particles, the only body or one of several.
+std::optional<std::string> layers_line(const CaseView& view, const SideView& side) {
+  if (side.solver != "particle") return std::nullopt;
+  const std::string table = side.is_body ? "structures." + side.side : "structure";
+  const auto thickness = view.number(table + ".plate.thickness");
+  const std::string key = view.common.interface == "volume" ? "fluid.spacing" : table + ".particle.spacing";
+  const auto spacing = view.number(key);
   if (!thickness || !spacing || !(*spacing > 0)) return std::nullopt;
   const double layers = *thickness / *spacing;
   if (!(layers < enough_layers - 1e-6)) return std::nullopt;
-  return fmt::format("{:.0f} particle layers across the plate: its stiffness needs 4 or more; {}", layers,
-                     volume ? "smaller fluid.spacing" : "smaller structure.particle.spacing");
+  return fmt::format("{}{:.2g} particle layers across the plate: its stiffness needs 4 or more; smaller {}",
+                     side.is_body ? side.side + ": " : "", layers, key);
 }
 
 /// The part of a body that is wet at the end: half its width [m], and the mean slope of its face where the
@@ -301,7 +303,8 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
   std::vector<std::string> lines;
   const auto spacing = view.number("fluid.spacing");
   if (!view.fluid || view.fluid->solver != "mps" || !spacing) return lines;
-  if (const auto line = layers_line(view)) lines.push_back(*line);
+  for (const SideView& side : view.structures)
+    if (const auto line = layers_line(view, side)) lines.push_back(*line);
   const auto level = water_level(view);
   for (const MovingBody& body : bodies) {
     const auto wetted = level ? wetted_at_end(view, body, *level) : std::nullopt;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sys/resource.h>
 #include <utility>
 
@@ -113,10 +114,10 @@ void Summary::add(const CommittedWindow& window) {
 /// Earliest contact that a sensor has found [s]; 0 where nobody looks for one, infinite while it is awaited.
 double Summary::contact_time() const {
   if (fluid_.contains("count.awaiting_contact")) return std::numeric_limits<double>::infinity();
-  double contact = 0;
+  std::optional<double> contact;
   for (const auto& [key, value] : results_)
-    if (key.ends_with(":contact")) contact = contact == 0 ? value : std::min(contact, value);
-  return contact;
+    if (key.ends_with(":contact")) contact = std::min(contact.value_or(value), value);
+  return contact.value_or(0);
 }
 
 /// A first peak is one after contact (cases/VALIDATION.md, "Definitions"), which only the fluid detects.

@@ -33,7 +33,7 @@ Eigen::Matrix3d cauchy_stress(const Material& material, const Eigen::Matrix<doub
   const Eigen::Matrix<double, dim, dim> P = first_piola_kirchhoff<dim>(material, F);
   Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
   stress.template topLeftCorner<dim, dim>() = P * F.transpose() / F.determinant();
-  if (dim == 2 && !material.plane_stress) stress(2, 2) = material.poisson * stress.trace();
+  if constexpr (dim == 2) stress(2, 2) = stress_across(material, F, stress.trace());
   return stress;
 }
 

@@ -96,6 +96,16 @@ Eigen::Matrix<double, dim, dim> first_piola_kirchhoff(const Material& m,
   return F * S;
 }
 
+/// σ_zz of a body in the plane [Pa], `trace` that of its Cauchy stress in the plane. In plane strain it is
+/// λ ln J/J for neo-Hookean, times the share that is intact, else ν (σ_xx + σ_yy), right to the order of the
+/// strain.
+inline double stress_across(const Material& m, const Eigen::Matrix2d& F, double trace, double intact = 1) {
+  if (m.plane_stress) return 0;
+  if (m.model != MaterialModel::neo_hookean) return m.poisson * trace;
+  const double J = F.determinant();
+  return intact * m.lame_lambda() * std::log(J) / J;
+}
+
 /// Speed of the P wave, plane strain and three dimensions: c_P = √((λ + 2μ)/ρ) [m/s].
 inline double wave_speed(const Material& m) {
   return std::sqrt((m.lame_lambda() + 2 * m.lame_mu()) / m.density);

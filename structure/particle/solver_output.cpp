@@ -21,7 +21,7 @@ std::string model_name(const ParticleKeys& keys) {
 }
 
 /// Cauchy's stress of a displacement gradient H = F − 1, times the share that is intact:
-///   σ = P Fᵀ / det F; in plane strain σ_zz = λ/(2(λ+μ)) (σ_xx + σ_yy) = ν (σ_xx + σ_yy)
+///   σ = P Fᵀ / det F; across the plane stress_across
 template <int dim>
 Stress cauchy_of(const Material& material, const Eigen::Matrix<double, dim, dim>& H, double integrity) {
   using Matrix = Eigen::Matrix<double, dim, dim>;
@@ -29,7 +29,7 @@ Stress cauchy_of(const Material& material, const Eigen::Matrix<double, dim, dim>
   const Matrix s = integrity * first_piola_kirchhoff<dim>(material, F) * F.transpose() / F.determinant();
   Stress stress;
   if constexpr (dim == 2)
-    stress << s(0, 0), s(0, 1), 0, s(1, 1), 0, material.plane_stress ? 0 : material.poisson * s.trace();
+    stress << s(0, 0), s(0, 1), 0, s(1, 1), 0, stress_across(material, F, s.trace(), integrity);
   else
     stress << s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2);
   return stress;

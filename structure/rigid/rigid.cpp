@@ -99,7 +99,8 @@ Eigen::Vector3d Rigid::velocity_at(const Eigen::Vector3d& X) const {
 }
 
 std::optional<Eigen::Vector3d> Rigid::support_displacement(const Eigen::Vector3d& X) const {
-  if (!parameters_.motion || parameters_.free.any()) return std::nullopt;
+  const bool driven = parameters_.motion || parameters_.angular_velocity != 0;
+  if (!driven || parameters_.free.any()) return std::nullopt;
   return displacement_at(X);
 }
 

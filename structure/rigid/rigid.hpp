@@ -20,7 +20,8 @@ class Rigid final : public Solver {
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d&) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d&) const override;
-  /// Of a body that a table drives and no load moves: its own displacement, so that its deflection is 0.
+  /// Of a body that a table drives or that turns at a constant rate, and that no load moves: its own
+  /// displacement, so that its deflection is 0.
   std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d&) const override;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }

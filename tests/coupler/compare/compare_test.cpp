@@ -130,6 +130,8 @@ TEST(CompareBlocks, RefuseAReferenceThatIsNotFiniteWithItsLine) {
   expect_refused([&] { read(head + "1,2\n1,3\n"); }, "does not ascend");
   expect_refused([&] { read("T [1],Z [1]\n0,0\n1,1\n"); }, "axes = { time");
   expect_refused([&] { read("T [ms],Z [1]\n0,0\n1,1\n"); }, "not in seconds");
+  expect_refused([&] { read("time [s],uy [mm]\n0,0\n1,1\n"); }, "axes = { value = 0.001 }");
+  EXPECT_EQ(read("time [s],roll [deg]\n0,0\n1,1\n").size(), 1U);
 }
 
 TEST(CompareBlocks, AreExplainedWithoutAFile) {
@@ -258,6 +260,26 @@ TEST(Compare, ImpulseOfALoadIsThatOfItsWindows) {
   };
   EXPECT_NEAR(measured("left.force.y", "impulse"), 0.9, 1e-12);
   EXPECT_NEAR(measured("u.y", "impulse"), 0.6, 1e-12);
+}
+
+// The mean is the impulse over the time, also where a solver has shortened some windows.
+TEST(Compare, MeanOfALoadIsItsImpulseOverTheTimeWhateverTheWindowsAre) {
+  Table table;
+  table.columns = {
+      {"time", "s"}, {"force.y", "N/m"}, {"left.body.fy", "N"}, {"body.moment", "N m"}, {"u.y", "m"}};
+  const std::vector<double> rows = {0, 1, 2, 6};
+  table.value = {{0.1, 0.2, 0.3, 0.7}, rows, rows, rows, rows};
+  const RunData data = {{}, &table, 0.7, true};
+  const auto measured = [&](const std::string& probe, const std::string& metric) {
+    CompareBlock block = block_of(probe, metric, 1, 1);
+    block.window = {"start", 0.1, 0.7};
+    return *judge(block, data).front().value;
+  };
+  for (const char* load : {"force.y", "left.body.fy", "body.moment"}) {
+    EXPECT_NEAR(measured(load, "impulse"), 0.1 * 1 + 0.1 * 2 + 0.4 * 6, 1e-12) << load;
+    EXPECT_NEAR(measured(load, "mean"), 2.7 / 0.6, 1e-12) << load;
+  }
+  EXPECT_NEAR(measured("u.y", "mean"), (0.05 + 0.15 + 1.6) / 0.6, 1e-12);
 }
 
 TEST(Compare, PrefersTheStepwiseImpulseOfTheProbeForItsOwnWindow) {

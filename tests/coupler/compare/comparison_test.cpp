@@ -53,6 +53,16 @@ TEST(Comparison, TellsTheMetricsOfTwoSines) {
   EXPECT_FALSE(row_of(c, "l2").value[0]);
 }
 
+TEST(Comparison, UnitsOfMetricsFollowFromThatOfTheQuantity) {
+  EXPECT_EQ(metric_unit("peak", "N/m"), "N/m");
+  EXPECT_EQ(metric_unit("impulse", "Pa"), "Pa s");
+  EXPECT_EQ(metric_unit("slope", "m"), "m/s");
+  EXPECT_EQ(metric_unit("slope", "m/s"), "m/s^2");
+  EXPECT_EQ(metric_unit("slope", "N/m"), "N/m/s");
+  EXPECT_EQ(metric_unit("slope", "1"), "1/s");
+  EXPECT_EQ(metric_unit("drift", "m"), "m");
+}
+
 TEST(Comparison, TakesTheSpanThatAllRecordsCover) {
   const auto line = [](double t) { return t; };
   const Comparison c =

@@ -292,6 +292,37 @@ TEST(Scheme, GoesOnBitEqualFromASavedState) {
   }
 }
 
+TEST(Scheme, GoesOnBitEqualInAParallelSchemeWithAnyAccelerator) {
+  for (const char* kind : {"aitken", "iqn-ils", "iqn-imvj"}) {
+    SchemeParameters parameters;
+    parameters.parallel = true;
+    parameters.accelerator.kind = kind;
+    parameters.convergence = {1e-6, 0, Measure::increment, 1, 60, Unconverged::accept};
+    Heavy whole, half;
+    Scheme one = whole.scheme(parameters), other = half.scheme(parameters);
+    const auto window = [](Scheme& s, int w) {
+      const WindowReport report = s.advance({w * dt, dt});
+      s.commit(false);
+      return report;
+    };
+    for (int w = 0; w < 4; ++w) {
+      window(one, w);
+      window(other, w);
+    }
+    Archive archive;
+    other.state().save(archive);
+    CouplingState state;
+    state.load(archive);
+    Scheme resumed = half.scheme(parameters);
+    resumed.set_state(state);
+    for (int w = 4; w < 8; ++w) {
+      const WindowReport a = window(one, w), b = window(resumed, w);
+      EXPECT_EQ(a.displacement, b.displacement) << kind << ", window " << w;
+      EXPECT_EQ(a.iterations, b.iterations) << kind << ", window " << w;
+    }
+  }
+}
+
 TEST(Scheme, WaitsForTheForceToSettleWhenMeasuredByValue) {
   Rigid rigid(-2);
   SchemeParameters parameters;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -163,6 +164,76 @@ TEST(Metrics, WhatStaysAtZeroOrAtRoundOffIsFoldedAway) {
     EXPECT_GT(html.find(folded), fold) << folded;
 }
 
+/// A run folder with a case of compare blocks and a summary.
+Recorded run_of(const TemporaryFolder& folder, const std::string& blocks, const std::string& summary) {
+  const auto put = [&](const char* name, const std::string& text) {
+    std::ofstream(folder.path() / name) << text;
+  };
+  put("run.json", R"({"contact": {"p": 0.1}})");
+  put("case.toml", "title = \"t\"\n" + blocks);
+  put("summary.json", summary);
+  put("history.csv", "time [s],p [Pa],p.impulse [Pa s]\n0.1,0,0\n0.2,10,1\n0.3,20,3\n");
+  return read_run(folder.path());
+}
+
+TEST(Failures, OfSeveralBodiesAreToldBodyByBody) {
+  TemporaryFolder one, none;
+  const std::string html = failures({run_of(one, "", R"({"failure": {"left": {"start": {"time": 1e-3,
+      "x": 0.2, "y": 0, "z": 0}, "crack": null, "parted": null, "energy": 3.5}, "right": null}})")});
+  for (const char* words : {"left: strength reached", "left: energy released", "200 mm", "3.5 J"})
+    EXPECT_NE(html.find(words), std::string::npos) << words << "\n" << html;
+  EXPECT_EQ(html.find("right"), std::string::npos) << "nothing can break it";
+  EXPECT_EQ(failures({run_of(none, "", R"({"failure": {"left": null, "right": null}})")}), "");
+}
+
+// A block with a window, or with a divisor, measures something else than the probe's own record.
+TEST(Metrics, AReferenceStandsBesideWhatItsBlockMeasured) {
+  TemporaryFolder folder;
+  const Recorded run = run_of(folder, R"(
+[[compare]]
+probe = "p"
+value = { impulse = 2.0, peak = 4.0 }
+tolerance = { impulse = 0.5, peak = 0.5 }
+window = { from = 0.1, to = 0.3 }
+divide_by = 5.0
+source = "s"
+)",
+                              R"({"probes": {"p": {"unit": "Pa", "impulse": 7.5, "peak": 20}}, "compare": [
+{"probe": "p", "metric": "impulse", "value": 0.6, "reference": 2, "tolerance": 0.5, "pass": false,
+ "kind": "theory", "source": "s"},
+{"probe": "p", "metric": "peak", "value": 4, "reference": 4, "tolerance": 0.5, "pass": true,
+ "kind": "theory", "source": "s"}]})");
+  const std::string html = metrics({run});
+  for (const char* own : {"7.5 Pa s", "20 Pa", ">0.6<", ">4<", "in its window over 5:"})
+    EXPECT_NE(html.find(own), std::string::npos) << own << "\n" << html;
+  for (const char* of_another : {"600 mPa s", "4 Pa<", "2 Pa s"})
+    EXPECT_EQ(html.find(of_another), std::string::npos) << of_another << "\n" << html;
+  EXPECT_EQ(history_figures({run}, "").find("300 µs"), std::string::npos) << "the block has its own window";
+}
+
+TEST(StudyChecks, AReferenceOfZeroHasDeviationsInItsUnitAndWhatIsMissingIsNotOutside) {
+  StudyData study;
+  study.columns = {{"front", "largest_deviation", "m"}};
+  study::CheckResult check;
+  check.probe = "front";
+  check.metric = "largest_deviation";
+  check.reference = 0;
+  check.value = check.deviation = 0.02;
+  check.tolerance = 0.03;
+  check.pass = true;
+  study.checks = {check};
+  check.value = check.deviation = {};
+  check.pass = false;
+  study.checks.push_back(check);
+  const std::string html = study_checks(study);
+  EXPECT_EQ(html.find('%'), std::string::npos) << html;
+  EXPECT_EQ(count(html, "20 mm"), 2U) << "value and deviation";
+  EXPECT_EQ(count(html, "30 mm"), 2U);
+  EXPECT_EQ(html.find("outside"), std::string::npos);
+  EXPECT_NE(html.find("not measured"), std::string::npos);
+  EXPECT_EQ(count(html, "no source is stated"), 2U);
+}
+
 TEST(Histories, WhatFallsFromItsStartOrAtContactHasNoFirstPeak) {
   std::vector<double> falling(100);
   for (std::size_t i = 0; i < falling.size(); ++i) falling[i] = 100 - static_cast<double>(i);
@@ -193,6 +264,29 @@ TEST(Histories, ComponentsAtRoundOffAreNotDrawn) {
   for (const char* drawn : {"body.fy", "body.vy"}) EXPECT_GT(count(html, drawn), 0U) << drawn;
   for (const char* not_drawn : {"body.fx", "body.moment", "body.rate"})
     EXPECT_EQ(count(html, not_drawn), 0U) << not_drawn;
+}
+
+TEST(Histories, AReferenceWithAWindowIsDrawnOverItAlone) {
+  Recorded run = run_with("force.y", {1, 2, 3, 4}, {4, 4});
+  study::CheckResult verdict;
+  verdict.probe = "force.y";
+  verdict.metric = "mean";
+  verdict.kind = "theory";
+  verdict.reference = 3.5;
+  run.compare = {verdict};
+  CompareBlock block;
+  block.probe = "force.y";
+  block.metrics = {{"mean", 3.5, 0.1}};
+  run.blocks = {block};
+  const std::string whole = history_figures({run}, "");
+  run.blocks.front().window = {"start", 2, 4};
+  const std::string part = history_figures({run}, "");
+  EXPECT_NE(part, whole);
+  run.blocks.front().window = {"start", 0.5, 1, true};
+  EXPECT_EQ(history_figures({run}, ""), part) << "the last half of four seconds";
+  run.contact["body"] = 1;
+  run.blocks.front().window = {"contact", 1, 3};
+  EXPECT_EQ(history_figures({run}, ""), part);
 }
 
 TEST(Histories, AReferenceCurveIsDrawnOnceBesideTheRuns) {
@@ -258,6 +352,36 @@ TEST(Pictures, ABodyInOnePlaceIsDrawnWithAllOfTheWater) {
   run.folder = folder.path();
   run.name = "one place";
   EXPECT_EQ(count(pictures({run}, {0}), "<figure>"), 1U);
+}
+
+TEST(Limits, AirIsJudgedByThePressureOfTheOpenAirOfItsCase) {
+  Recorded run;
+  run.solver["fluid"] = "own";
+  run.history.columns = {{"time", "s"}, {"air.left", "m"}, {"air.largest_pressure", "Pa"}};
+  run.history.value = {{0, 1}, {0.01, 0.005}, {0, 50e3}};
+  EXPECT_NE(limits({run}).find("compressed a little"), std::string::npos);
+  run.settings = {{"fluid.air.pressure", "10000", "Pa", "case"}};
+  EXPECT_NE(limits({run}).find("shaped the peak"), std::string::npos);
+  run.settings = {{"fluid.air.pressure", "1e6", "Pa", "case"}};
+  EXPECT_NE(limits({run}).find("hardly mattered"), std::string::npos);
+}
+
+TEST(Sketch, ARigidBodyHasNoSupports) {
+  Recorded run;
+  const auto set = [&](const char* key, const char* value) {
+    run.settings.push_back({key, value, "", "case"});
+  };
+  set("fluid.tank", "[[-1, -1], [1, 1]]");
+  set("structure.plate.length", "0.4");
+  set("structure.plate.thickness", "0.02");
+  set("structure.plate.bottom", "[0, 0, 0]");
+  set("structure.plate.supports.left", "clamped");
+  set("structure.solver", "fem");
+  picture::Scene scene;
+  scene.cells = {{{{-0.2, 0}, {0.2, 0}, {0.2, 0.02}, {-0.2, 0.02}}, 0}};
+  EXPECT_NE(sketch(run, &scene).find("supports: left clamped"), std::string::npos);
+  run.settings.back().value = "rigid";
+  EXPECT_EQ(sketch(run, &scene).find("clamped"), std::string::npos);
 }
 
 TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {

@@ -130,6 +130,11 @@ TEST(GridConvergence, SaysWhenThereIsNoOrder) {
   EXPECT_NE(grid_convergence({2, 1}, {1, 2}).remark.find("fewer than three"), std::string::npos);
   EXPECT_NE(grid_convergence({4, 2, 1}, {1, 2, 2}).remark.find("round-off"), std::string::npos);
   EXPECT_FALSE(grid_convergence({4, 2, 1}, {1, 2, 4}).order);
+  // Unequal ratios 1.5 and 2: of a result that goes as log h the differences have the ratio ln 2/ln 1.5.
+  EXPECT_EQ(grid_convergence({3, 1.5, 1}, {3.5, 2, 1}).remark, "does not converge");
+  EXPECT_NE(grid_convergence({3, 1.5, 1}, {1e9, 2, 1}).remark.find("faster than any order"),
+            std::string::npos);
+  EXPECT_EQ(grid_convergence({4, 2, 1}, {1, -1, 0}).remark, "oscillates about 0");
 }
 
 TEST_F(StudyFile, AClaimOfALimitIsJudgedRunByRun) {
@@ -174,6 +179,21 @@ TEST_F(StudyFile, ReferencesStandBesideTheRunsOfTheirLabel) {
   EXPECT_NE(problem(axes_ + reference).find("numbers beside it"), std::string::npos);
 }
 
+TEST(StudyResults, FailureOfEachOfSeveralBodiesIsANumberOfTheRun) {
+  TemporaryFolder folder;
+  std::ofstream(folder.path() / "summary.json")
+      << R"({"failure": {"left": {"start": {"time": 1e-3, "x": 0.2}, "crack": null, "energy": 3.5},
+             "right": null}})";
+  Results results;
+  const Values values = read_values(folder.path());
+  EXPECT_EQ(values.at("failure.left.start.time"), 1e-3);
+  EXPECT_EQ(values.at("failure.left.energy"), 3.5);
+  EXPECT_EQ(results.unit_of({"", "failure.left.energy"}), "J");
+  EXPECT_EQ(results.unit_of({"", "failure.left.start.time"}), "s");
+  EXPECT_EQ(results.unit_of({"", "failure.left.start.x"}), "m");
+  EXPECT_EQ(results.unit_of({"", "failure.energy"}), "J");
+}
+
 TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   const std::string claim = "claim = \"c\"\nsource = \"s\"\nmetric = \"wall\"\n";
   const Plan plan = read(
@@ -196,6 +216,8 @@ TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   EXPECT_EQ(judge_claims(results)[2].verdict, "cannot be judged");
   results.values["2-ccx"]["wall"] = 2.2;
   EXPECT_EQ(judge_claims(results)[2].verdict, "does not hold");
+  for (auto& [run, values] : results.values) values["wall"] = 0;
+  EXPECT_EQ(judge_claims(results)[1].verdict, "holds") << "what is 0 everywhere is the same";
 }
 
 }  // namespace

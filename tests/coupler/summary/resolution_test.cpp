@@ -393,5 +393,21 @@ TEST(Resolution, WantsFourParticleLayersAcrossAPlate) {
   EXPECT_TRUE(says(resolution_lines(view, {}, {}), "2 particle layers")) << "there fluid.spacing counts";
 }
 
+TEST(Resolution, CountsTheLayersOfEachOfSeveralPlates) {
+  CaseView view = case_with(0.01, 0.012);
+  SideView& left = view.structures.front();
+  left.side = "left";
+  left.is_body = true;
+  SideView right = left;
+  right.side = "right";
+  right.solver = "particle";
+  view.structures.push_back(right);
+  view.value["structures.right.plate.thickness"] = "0.02";
+  view.value["structures.right.particle.spacing"] = "0.00555";
+  EXPECT_TRUE(says(resolution_lines(view, {}, {}),
+                   "right: 3.6 particle layers across the plate: its stiffness needs 4 or more; smaller "
+                   "structures.right.particle.spacing"));
+}
+
 }  // namespace
 }  // namespace strake

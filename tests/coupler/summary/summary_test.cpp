@@ -55,6 +55,16 @@ TEST(Summary, TheContactOfABodyWithoutProbesCountsAndIsNoProbe) {
   EXPECT_TRUE(impulse_after({{"count.awaiting_contact", 1}}).is_null());
 }
 
+TEST(Summary, ContactInTheFirstStepIsTheEarliestOfAll) {
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.fluid = {{"p_first:contact", 0}, {"p_second:contact", 0.2}};
+  window.report.structure["mid.y:first_peak"] = -1e-3;
+  window.report.structure["mid.y:time_of_first_peak"] = 0.1;
+  Summary summary("case", "");
+  summary.add(window);
+  EXPECT_EQ(summary.json()["probes"]["mid.y"]["first_peak"], -1e-3);
+}
+
 TEST(Summary, AGaugeKeepsItsFirstPeakWhileABodyIsInTheAir) {
   CommittedWindow window = window_with(1, true, 0, 0);
   window.report.fluid = {
@@ -177,6 +187,15 @@ TEST(Summary, TellsForceAndMomentAndForeignColumnsFromTheHistory) {
               1e-12);  // 300 µs from the start on: 1, 5, 2 times 0.1 ms
   EXPECT_EQ(json["floor.y"]["final"], 0);
   EXPECT_TRUE(json["floor.y"]["impulse"].is_null()) << "of a length there is none";
+}
+
+TEST(HistoryMetrics, EnergiesOfSeveralBodiesAreAccountsTooAndTheirForcesResults) {
+  Table history;
+  for (const char* name : {"time", "energy.strain", "left.energy.kinetic", "left.failure.damage",
+                           "left.body.fy", "left.force.y", "mooring.tension"})
+    history.columns.push_back({name, "1"});
+  EXPECT_EQ(columns_without_record(history, {}),
+            (std::vector<std::string>{"left.body.fy", "left.force.y", "mooring.tension"}));
 }
 
 /// A record of 100 windows of 1 ms: 0 for 20, then the force 1, with `blow` in the windows from 50 to `last`.

@@ -90,6 +90,20 @@ TEST(Rigid, DrivenRotationIsFollowedExactlyByEveryInterfacePoint) {
   }
 }
 
+TEST(Rigid, ABodyThatTurnsAsItIsDrivenHasNoDeflection) {
+  Parameters p = crooked();
+  p.angular_velocity = 3;
+  p.velocity = {0.2, -0.4, 0};
+  Rigid body(p);
+  body.advance(0.5, 0.01, {});
+  const Vector3d X(0.1, 0.05, 0);
+  ASSERT_TRUE(body.support_displacement(X));
+  EXPECT_EQ(*body.support_displacement(X), body.displacement_at(X));
+  p.free.y = true;
+  p.velocity.y() = 0;
+  EXPECT_FALSE(Rigid(p).support_displacement(X));
+}
+
 TEST(Rigid, FollowsATableInPlaceAndAngle) {
   Parameters p = crooked();
   std::vector<double> t, y, angle;
