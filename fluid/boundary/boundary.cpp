@@ -376,23 +376,6 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
   }
 }
 
-template <int dim>
-double Boundary<dim>::inside_free_end(int point, const Vector<dim>& x) const {
-  const auto is_free = [&](bool sharp, const Vector<dim>& place) {
-    return sharp && tank_.distance(place) > 0.5 * spacing_;
-  };
-  if constexpr (dim == 3) {
-    return body_surface_.within(point, x, is_free);
-  } else {
-    double inside = std::numeric_limits<double>::infinity();
-    for (const bool last : {false, true}) {
-      const BodySurface2d::End end = body_surface_.end_of(body_surface_.edge_of(point), last, x);
-      if (is_free(end.sharp, end.place)) inside = std::min(inside, end.inside);
-    }
-    return inside;
-  }
-}
-
 template class Boundary<2>;
 template class Boundary<3>;
 

@@ -137,13 +137,10 @@ class Boundary {
       return body_surface_.faces(point, x);
   }
   /// Returns the distance of x from the nearest end of the face of that wet point, along the face [m]. It is
-  /// negative past the end, and infinite where no end is near.
-  double within(int point, const Vector<dim>& x) const {
-    if constexpr (dim == 2)
-      return body_surface_.within(body_surface_.edge_of(point), x);
-    else
-      return body_surface_.within(point, x);
-  }
+  /// negative past the end, and infinite where no end is near. Where the body goes on over a seam is no end.
+  double within(int point, const Vector<dim>& x) const;
+  /// Whether a body that ends there, at a seam of the tank, goes on from the other side of the seam.
+  bool goes_on_over_seam(const Vector<dim>& place) const;
   /// Whether that face has sharp corners at all its ends: of at most a right angle, and no keels. Those of
   /// plates and boxes have. In space it is plane as well.
   bool is_between_sharp_corners(int point) const {
