@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-// Where the faces of bodies end: at a wall and over a seam of the tank they may go on.
+// Where the faces of bodies end: at a wall and over a seam of the tank they may go on. Places are compared
+// with a body on the side of a seam that is nearer to it.
 
 namespace strake::fluid {
 
@@ -23,6 +24,18 @@ double inside_ends(const BodySurface2d& body, int edge, const Eigen::Vector2d& x
 
 }  // namespace
 
+/// A body from seam to seam has no end there, so that water meets it on its own side alone.
+template <int dim>
+void Boundary<dim>::find_seams() {
+  if (!tank_.periodic().any() || body_surface_.empty()) return;
+  Vector<dim> length = tank_.periodic().length();
+  for (int d = 0; d < dim; ++d)
+    if (body_surface_.low()[d] < tank_.shape().low()[d] + 0.5 * spacing_ &&
+        body_surface_.high()[d] > tank_.shape().high()[d] - 0.5 * spacing_)
+      length[d] = 0;
+  around_ = Periodic<dim>(length);
+}
+
 template <int dim>
 bool Boundary<dim>::goes_on_over_seam(const Vector<dim>& place) const {
   const double near = 0.5 * spacing_;
@@ -40,9 +53,9 @@ template <int dim>
 double Boundary<dim>::within(int point, const Vector<dim>& x) const {
   const auto ends = [&](bool, const Vector<dim>& place) { return !goes_on_over_seam(place); };
   if constexpr (dim == 3)
-    return body_surface_.within(point, x, ends);
+    return body_surface_.within(point, beside(point, x), ends);
   else
-    return inside_ends(body_surface_, body_surface_.edge_of(point), x, ends);
+    return inside_ends(body_surface_, body_surface_.edge_of(point), beside(point, x), ends);
 }
 
 template <int dim>
@@ -51,12 +64,13 @@ double Boundary<dim>::inside_free_end(int point, const Vector<dim>& x) const {
     return sharp && tank_.distance(place) > 0.5 * spacing_ && !goes_on_over_seam(place);
   };
   if constexpr (dim == 3)
-    return body_surface_.within(point, x, is_free);
+    return body_surface_.within(point, beside(point, x), is_free);
   else
-    return inside_ends(body_surface_, body_surface_.edge_of(point), x, is_free);
+    return inside_ends(body_surface_, body_surface_.edge_of(point), beside(point, x), is_free);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                               \
+  template void Boundary<dim>::find_seams();                                  \
   template bool Boundary<dim>::goes_on_over_seam(const Vector<dim>&) const;   \
   template double Boundary<dim>::within(int point, const Vector<dim>&) const; \
   template double Boundary<dim>::inside_free_end(int point, const Vector<dim>&) const;

@@ -100,5 +100,31 @@ TEST(Invariance, APlateFromSeamToSeamHasNoEndsThere) {
   EXPECT_LT(most - least, 0.01 * most);
 }
 
+/// The force on a plate that strikes the water of a periodic tank, its middle that many spacings from the
+/// tank's.
+double force_beside_seam(int spacings) {
+  constexpr double l0 = 0.01, dt = 1e-4;
+  Parameters p = tank_case(0.6, 0.2, l0, 0.2);
+  p.periodic[0] = true;
+  p.sound_speed = std::numeric_limits<double>::infinity();
+  p.scheme.pressure_tolerance = 1e-10;
+  const InterfaceMesh plate = rectangle(-0.1 + spacings * l0, 0, 0.2, 0.04, l0);
+  Simulation<2> simulation(p, plate, PlateEntry::down(plate, 1));
+  const auto m = simulation.interface().position.cols();
+  InterfaceMotion motion{Points::Zero(3, m), PlateEntry::down(simulation.interface(), 1), Points::Zero(3, m)};
+  for (int k = 1; k <= 10; ++k) {
+    motion.displacement.row(1).setConstant(-k * dt);
+    simulation.step(dt, motion);
+  }
+  return simulation.interface_force().row(1).sum();
+}
+
+TEST(Invariance, APlateBesideASeamHasTheForceOfOneInTheMiddle) {
+  const double middle = force_beside_seam(0);
+  EXPECT_GT(middle, 1000);
+  for (const int spacings : {17, 19, 20, -20})  // 20: its side stands on the seam
+    EXPECT_NEAR(force_beside_seam(spacings), middle, 1e-5 * middle) << spacings;
+}
+
 }  // namespace
 }  // namespace strake::fluid
