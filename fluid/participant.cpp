@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -50,11 +51,29 @@ double entry_speed(const Parameters& p, const CommonKeys& common, const Setup& s
   return std::max(largest_speed(setup, p.motion), by_table);
 }
 
-/// Extents of the body along x and z [m].
-Eigen::Vector2d extent(const InterfaceMesh& mesh) {
-  if (mesh.position.cols() == 0) return Eigen::Vector2d::Zero();
-  const Eigen::Vector3d size = mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff();
-  return {size.x(), size.z()};
+/// Extents of each body along x and z [m]. A body is what faces hang together; without faces all points are
+/// one.
+std::vector<Eigen::Vector2d> extents(const InterfaceMesh& mesh) {
+  const auto points = static_cast<std::size_t>(mesh.position.cols());
+  std::vector<int> body(points);  // the number of a point before it of the same body; of the first its own
+  std::iota(body.begin(), body.end(), 0);
+  const auto first_of = [&](int k) {
+    const auto before = [&](int i) -> int& { return body[static_cast<std::size_t>(i)]; };
+    while (before(k) != k) k = before(k) = before(before(k));
+    return k;
+  };
+  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f)
+    for (Eigen::Index c = 1; c < mesh.faces.rows(); ++c) {
+      const int one = first_of(mesh.faces(0, f)), other = first_of(mesh.faces(c, f));
+      body[static_cast<std::size_t>(std::max(one, other))] = std::min(one, other);
+    }
+  std::map<int, Eigen::AlignedBox3d> boxes;
+  for (std::size_t k = 0; k < points; ++k)
+    boxes[mesh.faces.cols() > 0 ? first_of(static_cast<int>(k)) : 0].extend(
+        mesh.position.col(static_cast<Eigen::Index>(k)));
+  std::vector<Eigen::Vector2d> sizes;
+  for (const auto& [number, box] : boxes) sizes.emplace_back(box.sizes().x(), box.sizes().z());
+  return sizes;
 }
 
 Points initial_velocity(const Setup& setup) {
@@ -100,7 +119,7 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup, const Ranks& ranks)
     : parameters_(parameters),
-      body_size_(extent(setup.partner_mesh)),
+      body_sizes_(extents(setup.partner_mesh)),
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
       start_speeds_{.entry = entry_speed(parameters, common, setup),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},
@@ -118,7 +137,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
   check_sensors();
   description_.lines =
       describe(parameters_, common, std::max(start_speeds_.entry, largest_speed(setup, parameters.motion)),
-               body_size_[0]);
+               body_width());
   for (std::string& line :
        level_face_lines(parameters_, common.window, setup.partner_mesh,
                         parameters_.submerged ? 0 : std::max(start_speeds_.entry, common.chosen.by_table)))

@@ -81,6 +81,7 @@ class FluidParticipant final : public Participant {
   void report_water(std::map<std::string, double>& monitor) const;
   void report_air(std::map<std::string, double>& monitor) const;
   double momentum_scale() const;
+  double body_width() const;  // [m] of the widest body along x; 0: there is none
   double momentum_gap() const;
   void report_ranks(std::map<std::string, double>& monitor) const;
   void write_first_frame();
@@ -93,7 +94,7 @@ class FluidParticipant final : public Participant {
   State<dim> read_checkpoint(const std::filesystem::path&, Archive&) const;
 
   Parameters parameters_;
-  Eigen::Vector2d body_size_;  // [m] extent of the interface along x and z
+  std::vector<Eigen::Vector2d> body_sizes_;  // [m] extents of the bodies along x and z
   Simulation<dim> simulation_;
   /// How contact is found (cases/VALIDATION.md, "Definitions").
   struct ContactSearch {

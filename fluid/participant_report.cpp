@@ -255,12 +255,20 @@ void FluidParticipant<dim>::report_ranks(std::map<std::string, double>& monitor)
   monitor["memory.peak"] = memory;
 }
 
-/// Returns 2ρV times `moved_water`. Where nothing enters it is the largest impulse so far, or the mass of the
-/// water times the largest speed that the case gives it, where that is more.
+template <int dim>
+double FluidParticipant<dim>::body_width() const {
+  double widest = 0;
+  for (const Eigen::Vector2d& size : body_sizes_) widest = std::max(widest, size[0]);
+  return widest;
+}
+
+/// Returns 2ρV times the `moved_water` of all bodies. Where nothing enters it is the largest impulse so far,
+/// or the mass of the water times the largest speed that the case gives it, where that is more.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
-  const double moved = moved_water<dim>(parameters_, body_size_);
+  double moved = 0;
+  for (const Eigen::Vector2d& size : body_sizes_) moved += moved_water<dim>(parameters_, size);
   const double scale = 2 * parameters_.density * start_speeds_.entry * moved;
   if (scale > 0) return scale;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
@@ -291,7 +299,7 @@ GuardScales FluidParticipant<dim>::guard_scales() const {
           .gravity_ramp = p.gravity_ramp,
           .top = p.water.max.y(),
           .drop = drop_of<dim>(p),
-          .half_width = 0.5 * body_size_[0],
+          .half_width = 0.5 * body_width(),
           .tank_speed = tank_speed(p),
           .water_speed = start_speeds_.water,
           .enters = start_speeds_.entry > 0,
@@ -350,6 +358,7 @@ void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monito
   template void FluidParticipant<dim>::report_sensors(std::map<std::string, double>&) const;      \
   template void FluidParticipant<dim>::report_water(std::map<std::string, double>&) const;        \
   template void FluidParticipant<dim>::report_accounts(std::map<std::string, double>&) const;     \
+  template double FluidParticipant<dim>::body_width() const;                                      \
   template double FluidParticipant<dim>::momentum_gap() const;                                    \
   template void FluidParticipant<dim>::report_ranks(std::map<std::string, double>&) const;        \
   template GuardScales FluidParticipant<dim>::guard_scales() const;                               \

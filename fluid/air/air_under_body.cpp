@@ -120,7 +120,9 @@ void AirUnderBody<dim>::begin(StepData<dim>& step) {
   State<dim>& state = step.state;
   const Faces face = faces(step);
   state.air_surface.setConstant(size(), step.p.water.max.y());
-  const Eigen::VectorXd gap = face.height - state.air_surface, closing = (-face.speed).cwiseMax(0.0);
+  const Sample water = sample(step, face, near(face, step.p.spacing));
+  const Eigen::VectorXd gap = face.height - state.air_surface,
+                        closing = (water.velocity - face.speed).cwiseMax(0.0);
   Eigen::Index lowest = 0;
   if (!(gap.minCoeff(&lowest) > keys_.film))
     throw Error(ExitCode::case_file, "fluid.air.layer = true",

@@ -6,17 +6,20 @@ namespace {
 constexpr double looks_down = 0.5;  // −n_y of a face from which on it has air under it; 60° against the level
 constexpr double closed_within = 0.5;  // [l0] from a wall of the tank: no air passes
 
-// The body is walked counter-clockwise, so that its lower faces come in the order of x.
+// Each body is walked counter-clockwise, so that its lower faces come in the order of x. Of several bodies
+// the point after the last of one is the first of the same one.
 std::vector<AirField<1>> fields_of(const BodySurface2d& body, double /*spacing*/, int per_point) {
   const int n = body.points();
-  const auto down = [&](int k) { return -body.normal((k + n) % n)[1] > looks_down; };
+  const auto following = [&](int k) { return body.mesh().faces(1, k); };
+  std::vector<int> before(static_cast<std::size_t>(n));
+  for (int k = 0; k < n; ++k) before[static_cast<std::size_t>(following(k))] = k;
+  const auto down = [&](int k) { return -body.normal(k)[1] > looks_down; };
   std::vector<AirField<1>> fields;
   for (int first = 0; first < n; ++first) {
-    if (!down(first) || down(first - 1)) continue;
+    if (!down(first) || down(before[static_cast<std::size_t>(first)])) continue;
     AirField<1> field;
     std::vector<double> middle, width;
-    for (int k = first; down(k); ++k) {
-      const int point = k % n;
+    for (int point = first; down(point); point = following(point)) {
       const double whole = -body.normal(point)[1] * body.area(point);
       for (int part = 0; part < per_point; ++part) {
         field.points.push_back({point});
@@ -58,7 +61,7 @@ std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>& boundary, double
       Vector<dim> place = body.point(field.points[static_cast<std::size_t>(side.column)].front());
       place[0] = side.middle[0];
       if constexpr (dim == 3) place[2] = side.middle[1];
-      return boundary.tank().distance(place) < closed_within * spacing;
+      return boundary.tank().distance(place) < closed_within * spacing || boundary.goes_on_over_seam(place);
     });
   return fields;
 }

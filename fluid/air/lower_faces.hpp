@@ -19,7 +19,8 @@ struct AirField {
 /// body's place now. In the plane `per_point` columns of equal width stand under each wet point, about l0
 /// wide together. In space there is one to about l0², whatever `per_point`: the
 /// columns are the cells of a grid, cut along the borders of the faces; small pieces belong to the column
-/// beside them. The borders of a field are open, but at walls of the tank nearer than l0/2.
+/// beside them. The borders of a field are open, but at walls of the tank nearer than l0/2 and at
+/// seams over which the body goes on. Each of several bodies has fields of its own.
 template <int dim>
 std::vector<AirField<dim - 1>> lower_faces(const Boundary<dim>&, double spacing, int per_point = 1);
 

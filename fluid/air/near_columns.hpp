@@ -33,7 +33,9 @@ class NearColumns {
   void for_each(const Place& x, const Visit& visit) const {
     for (int a = 0; a < plane; ++a)
       if (x[a] < low_[a] - spacing_ || x[a] > high_[a] + spacing_) return;
-    const Cells middle = cells_at(x), from = (middle - 1).max(0), to = (middle + 1).min(count_ - 1);
+    // By round-off a place a spacing past the columns may be two cells past them.
+    const Cells middle = cells_at(x).max(-1).min(count_), from = (middle - 1).max(0),
+                to = (middle + 1).min(count_ - 1);
     Cells at = from;
     for (;;) {
       for (std::size_t k = start_[cell(at)]; k < start_[cell(at) + 1]; ++k) {

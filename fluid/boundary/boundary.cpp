@@ -57,6 +57,7 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
     density_.setConstant(n - bodies_, p.density);
     if (partner.mass.size()) density_ = partner.mass / std::pow(p.spacing, dim);
   }
+  find_seams();
   find_masters(tank);
   check_reach();
   built_ = true;
@@ -97,7 +98,7 @@ template <int dim>
 void Boundary<dim>::check_place(const State<dim>& state, const Points& place) const {
   for (Eigen::Index k = 0; k < place.cols(); ++k) {
     const Vector<dim> x = place.col(k).template head<dim>();
-    // Water beyond a seam does not meet the faces of a body on this side of it.
+    // Water beyond a seam meets the faces of a body on this side, but nothing keeps it out of what goes over.
     const bool past_seam = tank_.past_seam(x) > spacing_;
     if (!past_seam && tank_.distance(x) >= -spacing_) continue;
     throw Error(built_ ? ExitCode::solver_fault : ExitCode::case_file,
@@ -123,7 +124,7 @@ void Boundary<dim>::place_layers(State<dim>& state, bool positions) const {
     }
   } else {
     const int m = body_surface_.points();
-    for (int layer = 0; layer < layers_; ++layer) {
+    for (int layer = 0; layer < layers(); ++layer) {
       const double depth = (layer + 0.5) * spacing_;
       for (int k = 0; k < m; ++k) {
         const std::int64_t i = bodies_ + static_cast<std::int64_t>(layer) * m + k;
@@ -132,7 +133,7 @@ void Boundary<dim>::place_layers(State<dim>& state, bool positions) const {
       }
     }
     // Beyond a corner: from the corner along the face, t = (−n_y, n_x).
-    std::int64_t i = bodies_ + static_cast<std::int64_t>(layers_) * m;
+    std::int64_t i = bodies_ + static_cast<std::int64_t>(layers()) * m;
     for (const BeyondCorner& filler : beyond_) {
       const Vector<2> n = body_surface_.normal(filler.point), rate = body_surface_.normal_rate(filler.point);
       state.velocity.col(i) = body_surface_.vertex_velocity(filler.vertex) +
@@ -222,17 +223,23 @@ std::span<const std::uint8_t> Boundary<dim>::tags(const State<dim>& state,
                     high = body_surface_.high().array() + 0.5 * reach_;
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < bodies_; ++i)
-      if ((state.position.col(i).array() >= low.array()).all() &&
-          (state.position.col(i).array() <= high.array()).all())
+      if (any_image(state.position.col(i), [&](const Vector<2>& x) {
+            return (x.array() >= low.array()).all() && (x.array() <= high.array()).all();
+          }))
         tag_[static_cast<std::size_t>(i)] |= asked;
   } else {
     triangle_near_.assign(static_cast<std::size_t>(bodies_), -1);
 #pragma omp parallel for schedule(static)
     for (std::int64_t i = 0; i < bodies_; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const auto near = body_surface_.near(state.position.col(i), reach_);
-      triangle_near_[k] = near.triangle;
-      if (near.distance <= 0.5 * reach_) tag_[k] |= asked;
+      double distance = std::numeric_limits<double>::infinity();
+      any_image(state.position.col(i), [&](const Vector<3>& x) {
+        const auto near = body_surface_.near(x, reach_);
+        if (near.distance < distance) triangle_near_[k] = near.triangle;
+        distance = std::min(distance, near.distance);
+        return false;
+      });
+      if (distance <= 0.5 * reach_) tag_[k] |= asked;
     }
   }
   return tag_;
@@ -248,14 +255,15 @@ bool Boundary<dim>::keep(const State<dim>& state, std::int32_t i, std::int32_t j
   if ((i_row || j_row) && other >= water_) return false;
   if constexpr (dim == 2) {
     if (i_row || j_row)
-      return body_surface_.crosses(point_of(row), state.position.col(other), state.position.col(row));
+      return body_surface_.crosses(point_of(row), beside(point_of(row), state.position.col(other)),
+                                   state.position.col(row));
     if (around) return way_around(state, i, j) < reach_;
     return !separates(state, std::min(i, j), std::max(i, j));
   } else {
     const auto near = [&](std::int32_t k) { return triangle_near_[static_cast<std::size_t>(k)]; };
     if (i_row || j_row)
-      return body_surface_.crosses(point_of(row), near(other), state.position.col(other),
-                                   state.position.col(row));
+      return body_surface_.crosses(point_of(row), near(other),
+                                   beside(point_of(row), state.position.col(other)), state.position.col(row));
     const auto [a, b] = std::minmax(i, j);
     if (!separates(state, a, b)) return true;
     return around && b < water_ && way_around(state, a, b) < reach_;
@@ -373,23 +381,6 @@ void Boundary<dim>::fill_dummies(State<dim>& state, const Vector<dim>& gravity,
     if (w >= bodies_ && acceleration.cols() > 0) field -= at_point(acceleration, point_of(w));
     state.pressure[i] =
         state.pressure[w] + water_density_ * field.dot(state.position.col(i) - state.position.col(w));
-  }
-}
-
-template <int dim>
-double Boundary<dim>::inside_free_end(int point, const Vector<dim>& x, bool only_sharp) const {
-  const auto is_free = [&](bool sharp, const Vector<dim>& place) {
-    return (sharp || !only_sharp) && tank_.distance(place) > 0.5 * spacing_;
-  };
-  if constexpr (dim == 3) {
-    return body_surface_.within(point, x, is_free);
-  } else {
-    double inside = std::numeric_limits<double>::infinity();
-    for (const bool last : {false, true}) {
-      const BodySurface2d::End end = body_surface_.end_of(body_surface_.edge_of(point), last, x);
-      if (is_free(end.sharp, end.place)) inside = std::min(inside, end.inside);
-    }
-    return inside;
   }
 }
 

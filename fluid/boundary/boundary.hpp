@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -105,7 +106,8 @@ class Boundary {
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;
   /// Whether particle i is within a pair's reach of a body's corner; in space of a keel or a blunt edge.
   bool beside_corner(const State<dim>& state, std::int64_t i) const {
-    return body_surface_.beside_corner(state.position.col(i), reach_);
+    return any_image(state.position.col(i),
+                     [this](const Vector<dim>& x) { return body_surface_.beside_corner(x, reach_); });
   }
   /// Returns that way between water particles i and j [m]; infinity where the body separates them.
   double way_around(const State<dim>&, std::int64_t i, std::int64_t j) const;
@@ -132,18 +134,15 @@ class Boundary {
   /// Whether x lies over the face of that wet point: not past the ends of its edge.
   bool is_over(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)
-      return body_surface_.within(body_surface_.edge_of(point), x) >= 0;
+      return body_surface_.within(body_surface_.edge_of(point), beside(point, x)) >= 0;
     else
-      return body_surface_.faces(point, x);
+      return body_surface_.faces(point, beside(point, x));
   }
   /// Returns the distance of x from the nearest end of the face of that wet point, along the face [m]. It is
-  /// negative past the end, and infinite where no end is near.
-  double within(int point, const Vector<dim>& x) const {
-    if constexpr (dim == 2)
-      return body_surface_.within(body_surface_.edge_of(point), x);
-    else
-      return body_surface_.within(point, x);
-  }
+  /// negative past the end, and infinite where no end is near. Where the body goes on over a seam is no end.
+  double within(int point, const Vector<dim>& x) const;
+  /// Whether a body that ends there, at a seam of the tank, goes on from the other side of the seam.
+  bool goes_on_over_seam(const Vector<dim>& place) const;
   /// Whether that face has sharp corners at all its ends: of at most a right angle, and no keels. Those of
   /// plates and boxes have. In space it is plane as well.
   bool is_between_sharp_corners(int point) const {
@@ -167,7 +166,7 @@ class Boundary {
     if constexpr (dim == 2)
       return std::numeric_limits<double>::infinity();
     else
-      return body_surface_.inside_keel(point, x);
+      return body_surface_.inside_keel(point, beside(point, x));
   }
   /// Area vector of a tank wall particle, towards the water [m, m² in 3-D].
   Vector<dim> wall_area(const State<dim>&, std::int64_t i) const { return tank_.area_of(i); }
@@ -183,6 +182,24 @@ class Boundary {
   Vector<dim> place_of_removed(std::int64_t number) const { return tank_.place_of_removed(number); }
 
  private:
+  /// Returns the image of x beside that wet point: over a seam, where that is nearer.
+  Vector<dim> beside(int point, Vector<dim> x) const {
+    if (!around_.any()) return x;
+    const Vector<dim> r = x - body_surface_.point(point);
+    for (int d = 0; d < dim; ++d) x[d] += around_.nearest(r[d], d) - r[d];
+    return x;
+  }
+  /// Whether is_one(image) holds for x or one of its images over the seams.
+  template <class IsOne>
+  bool any_image(const Vector<dim>& x, const IsOne& is_one, int direction = 0) const {
+    if (direction == dim) return is_one(x);
+    if (any_image(x, is_one, direction + 1)) return true;
+    if (!around_.along(direction)) return false;
+    const Vector<dim> over = around_.length()[direction] * Vector<dim>::Unit(direction);
+    return any_image(x + over, is_one, direction + 1) || any_image(x - over, is_one, direction + 1);
+  }
+  void find_seams();
+  int layers() const { return static_cast<int>(std::ceil(reach_ / spacing_ - 0.5)); }  // behind a face
   /// A layer particle past a corner: `beside` it along the face, `depth` behind the face.
   struct BeyondCorner {
     int point, vertex;     // the last of the edge before the corner, and the corner
@@ -206,12 +223,12 @@ class Boundary {
   double spacing_, water_density_;
   double reach_, counting_radius_;  // largest radius, and that of the number density [m]
   Tank<dim> tank_;
+  Periodic<dim> around_;  // the directions in which water meets a body over a seam
   InterfaceMesh mesh_;
   BodySurface<dim> body_surface_;
   bool volume_ = false;
   bool built_ = false;  // before that a wrong place is a fault of the case
   std::int64_t water_, bodies_;
-  int layers_ = 0;  // behind a face
   std::vector<BeyondCorner> beyond_;
   Eigen::VectorXd density_;    // of the structure's particles in volume coupling [kg/m³]
   std::vector<int> point_of_;  // of the bodies' particles

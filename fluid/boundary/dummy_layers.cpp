@@ -42,16 +42,15 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, const Knuckles& knu
   } else {
     body_surface_ = BodySurface2d(partner, spacing_, knuckles);
     mesh_ = body_surface_.mesh();
-    layers_ = static_cast<int>(std::ceil(reach_ / spacing_ - 0.5));
     const int m = body_surface_.points();
     for (const BodySurface2d::Edge& edge : body_surface_.edges()) {
       go_beyond(edge, false);
       go_beyond(edge, true);
     }
-    const std::size_t fillers = static_cast<std::size_t>((layers_ - 1) * m) + beyond_.size();
+    const std::size_t fillers = static_cast<std::size_t>((layers() - 1) * m) + beyond_.size();
     append(state, Kind::interface, static_cast<std::size_t>(m));
     append(state, Kind::dummy_interface, fillers);
-    for (int layer = 0; layer < layers_; ++layer)
+    for (int layer = 0; layer < layers(); ++layer)
       for (int k = 0; k < m; ++k) point_of_.push_back(k);
     for (const BeyondCorner& filler : beyond_) point_of_.push_back(filler.point);
     // The particles of a flat water surface are the mirror images of the layer particles in the face.
@@ -60,7 +59,7 @@ void Boundary<dim>::add_layers(const InterfaceMesh& partner, const Knuckles& knu
     for (const BodySurface2d::Edge& edge : body_surface_.edges())
       for (int i = 0; i < edge.count; ++i)
         for (int j = 0; j < edge.count; ++j)
-          for (int layer = 0; layer < layers_; ++layer) {
+          for (int layer = 0; layer < layers(); ++layer) {
             int apart = std::abs(i - j);
             if (edge.closed) apart = std::min(apart, edge.count - apart);
             flat_water_[edge.first + i] +=
@@ -85,7 +84,7 @@ void Boundary<dim>::go_beyond(const BodySurface2d::Edge& edge, bool at_end) {
   const int columns = static_cast<int>(std::ceil(reach_ / edge.piece));
   for (int column = 0; column < columns; ++column) {
     const double beside = (column + 0.5) * edge.piece;
-    for (int layer = 0; layer < layers_; ++layer) {
+    for (int layer = 0; layer < layers(); ++layer) {
       const double depth = (layer + 0.5) * spacing_;
       if (depth < slope * beside) continue;
       if (at_end)

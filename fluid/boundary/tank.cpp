@@ -197,6 +197,9 @@ bool Tank<dim>::select(std::span<const std::int64_t> numbers) {
     if (next == (first_layer ? first_dummy : end) || *next != number) return;
     part_[static_cast<std::size_t>(next++ - begin)] = particle;
   });
+  middle_.setZero();
+  for (const WallParticle<dim>& particle : part_)
+    middle_ += particle.position / static_cast<double>(part_.size());
   find_masters();
   return true;
 }
@@ -243,14 +246,29 @@ Vector<dim> Tank<dim>::acceleration() const {
   return acceleration_.rowwise().mean();
 }
 
+/// a = d²s/dt² + dω/dt e_z × r − ω² r , r in the plane of the turn
+template <int dim>
+Vector<dim> Tank<dim>::acceleration_of_frame() const {
+  const Vector<dim> r = turned(now_, middle_ - pivot_);
+  Vector<dim> a = now_.acceleration;
+  a[0] -= now_.change * r[1] + now_.rate * now_.rate * r[0];
+  a[1] += now_.change * r[0] - now_.rate * now_.rate * r[1];
+  return a;
+}
+
 template <int dim>
 auto Tank<dim>::frame_at(double time) const -> Frame {
   const RigidMotion motion = motion_.at(time);
   Vector<dim> shift = motion.displacement.head<dim>();
   for (int d = 0; d < dim; ++d)  // a floor may run past many periods
     if (periodic_.along(d)) shift[d] = std::remainder(shift[d], periodic_.length()[d]);
-  return {shift, motion.velocity.head<dim>(), std::sin(motion.angle), std::cos(motion.angle),
-          motion.angular_velocity};
+  return {shift,
+          motion.velocity.head<dim>(),
+          motion.acceleration.head<dim>(),
+          std::sin(motion.angle),
+          std::cos(motion.angle),
+          motion.angular_velocity,
+          motion.angular_acceleration};
 }
 
 template <int dim>

@@ -68,6 +68,9 @@ class Tank {
   /// Returns the mean of these accelerations. The pressure of water at rest in the tank has the gradient
   /// ρ(g − a) [Pa/m].
   Vector<dim> acceleration() const;
+  /// Returns the acceleration of the tank's frame at the middle of its layers at the time of the last `adopt`
+  /// or `move`. It follows from the motion alone, so that a step after a rewind is as long as it was.
+  Vector<dim> acceleration_of_frame() const;
 
   /// Moves the layers in a step that ends at `time`. The first call (positions = false) sets their velocities
   /// and accelerations, the second (true) their positions. A tank at rest costs nothing.
@@ -92,8 +95,9 @@ class Tank {
 
  private:
   struct Frame {  // a rigid motion of the tank, ready for use
-    Vector<dim> shift = Vector<dim>::Zero(), velocity = Vector<dim>::Zero();
-    double sine = 0, cosine = 1, rate = 0;
+    Vector<dim> shift = Vector<dim>::Zero(), velocity = Vector<dim>::Zero(),
+                acceleration = Vector<dim>::Zero();
+    double sine = 0, cosine = 1, rate = 0, change = 0;  // change: of the rate [rad/s²]
   };
   const WallParticle<dim>& part(std::int64_t i) const { return part_[static_cast<std::size_t>(i - first_)]; }
   bool has(std::int64_t i) const { return i >= first_ && i < last_; }
@@ -117,9 +121,9 @@ class Tank {
   std::vector<WallParticle<dim>> part_;
   std::vector<std::int32_t> master_;
   bool absorbs_;
-  Frame now_;                  // of the particles' places
-  Vectors<dim> acceleration_;  // empty for a tank at rest
-  Vector<dim> pivot_, removed_from_;
+  Frame now_;                                                        // of the particles' places
+  Vectors<dim> acceleration_;                                        // empty for a tank at rest
+  Vector<dim> pivot_, removed_from_, middle_ = Vector<dim>::Zero();  // middle_: of the layers' places
 };
 
 }  // namespace strake::fluid

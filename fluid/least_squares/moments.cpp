@@ -304,7 +304,8 @@ void LeastSquaresScheme<dim>::fit(const Boundary<dim>& boundary, State<dim>& sta
   moments_.volume[i] = static_cast<float>(sums.volume);
 
   if (const double started = starts_packed() ? start_share(boundary, state, i) : 0; started > 0)
-    sums.m -= started * start_.opening.col(state.id[k]).template cast<double>();
+    // It turns with the tank.
+    sums.m -= started * boundary.tank().turned(start_.opening.col(state.id[k]).template cast<double>());
   const double least_moment = tuned.surface_begins * lattice_.second_moment;
   if (!full_ &&
       (sums.m.squaredNorm() > least_moment * least_moment || sums.weights < lattice_.first_weights)) {

@@ -78,7 +78,8 @@ double Simulation<dim>::stable_dt() const {
   const double fastest = std::sqrt(square);
   double dt = std::numeric_limits<double>::infinity();
   if (fastest > 0) dt = std::min(dt, w.step.p.scheme.cfl * l0 / fastest);
-  const double field = (w.step.p.gravity.template head<dim>() - w.step.boundary.tank().acceleration()).norm();
+  const double field =
+      (w.step.p.gravity.template head<dim>() - w.step.boundary.tank().acceleration_of_frame()).norm();
   if (field > 0) dt = std::min(dt, 0.25 * std::sqrt(l0 / field));
   dt = std::min(dt, column_step(w.step.p, field));
   dt = std::min(dt, viscous_limit(w.step.p, energy));

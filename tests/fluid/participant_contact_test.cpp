@@ -71,5 +71,42 @@ TEST(FluidParticipant, a_body_without_probes_finds_its_contact_itself) {
   EXPECT_EQ(contact_of(Case({}, of_body), entering(), "body:contact"), -1) << "so do probes of the structure";
 }
 
+/// The last check of the momentum account, as plates at these places along x come down at 2 m/s.
+double momentum_gap_of(const std::vector<double>& places, const std::vector<std::string>& sets) {
+  const auto n = plate().position.cols(), count = static_cast<Eigen::Index>(places.size());
+  strake::Setup setup = entering();
+  InterfaceMesh& mesh = setup.partner_mesh;
+  mesh.position = plate().position.replicate(1, count);
+  mesh.faces = plate().faces.replicate(1, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    mesh.position.middleCols(k * n, n).row(0).array() += places[static_cast<std::size_t>(k)];
+    mesh.faces.middleCols(k * n, n).array() += static_cast<int>(k * n);
+  }
+  const auto on_all = [&](const std::string& quantity, double y) -> Field {
+    return {quantity, quantity == "velocity" ? "m/s" : "m", false,
+            Eigen::Vector3d(0, y, 0).replicate(1, n * count)};
+  };
+  setup.partner_initial = {on_all("displacement", 0), on_all("velocity", -speed)};
+  const Case c(sets, "[0.0, -0.1]");
+  FluidParticipant<2> participant(c.parameters, c.common, setup);
+  double gap = 0;
+  for (int k = 0; k < contact_window + 10; ++k) {
+    const Window w = nth(k);
+    gap = participant.advance(w, {{{w.t + w.dt, {on_all("displacement", -speed * (w.t + w.dt))}}}})
+              .monitor.at("check.momentum_gap");
+    participant.commit(false);
+  }
+  return gap;
+}
+
+// The middle plane between two plates is as a smooth wall.
+TEST(FluidParticipant, the_momentum_account_of_two_plates_is_compared_with_the_water_that_both_move) {
+  const double one = momentum_gap_of({0}, {});
+  const double two = momentum_gap_of(
+      {-0.15, 0.15}, {"fluid.tank=[[-0.3, -0.1], [0.3, 0.1]]", "fluid.water=[[-0.3, -0.1], [0.3, 0.0]]"});
+  EXPECT_GT(one, 1e-4);
+  EXPECT_NEAR(two, one, 0.1 * one);
+}
+
 }  // namespace
 }  // namespace strake::fluid

@@ -160,5 +160,25 @@ TEST(NearColumns, FindsThoseWithinASpacingAndTheirWeights) {
   EXPECT_NEAR(found[1], 0.25 * 0.5, 1e-12);
 }
 
+// Round-off may put a place that lies a spacing past the columns two cells past them.
+TEST(NearColumns, FindsNoneASpacingPastThem) {
+  for (const double spacing : {0.01, 0.02, 0.025, 0.03})
+    for (int n = 1; n <= 40; ++n) {
+      Eigen::Matrix2Xd place(2, n);
+      for (int k = 0; k < n; ++k) place.col(k).setConstant((k + 0.5) * spacing - 0.5 * n * spacing);
+      const NearColumns<2> near(place, spacing);
+      const NearColumns<1> on_line(place.topRows<1>(), spacing);
+      double weights = 0;
+      const auto add = [&](int, double w) { weights += w; };
+      const double past = (n + 0.5) * spacing - 0.5 * n * spacing;
+      for (const double x : {past, -past}) {
+        near.for_each({x, x}, add);
+        near.for_each({0, x}, add);
+        on_line.for_each(Eigen::Matrix<double, 1, 1>(x), add);
+      }
+      EXPECT_LT(weights, 1e-9) << spacing << " " << n;
+    }
+}
+
 }  // namespace
 }  // namespace strake::fluid

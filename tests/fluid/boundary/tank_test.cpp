@@ -311,6 +311,8 @@ TEST(Tank, ARollingTankTurnsItsRowsNormalsAndVelocities) {
       for (std::int64_t i = tank.first(); i < tank.last(); i += 50)
         ASSERT_NEAR((velocity.col(i) + dt * tank.acceleration_of(i) - state.velocity.col(i)).norm(), 0,
                     1e-12);
+      // The frame is where the layers were before this step, in the middle between two velocities.
+      ASSERT_NEAR((tank.acceleration_of_frame() - tank.acceleration()).norm(), 0, 1e-4);
     }
     tank.move(state, state.time + dt, true);
     for (std::int64_t i = tank.first(); i < tank.last(); i += 50)

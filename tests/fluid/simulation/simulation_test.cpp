@@ -137,8 +137,13 @@ TEST(Simulation, AStepInALiftedTankIsShorter) {
   }
   p.motion.table = MotionTable(time, {absent, MotionColumn::place, absent, absent}, {{{}, place, {}, {}}});
   Simulation<2> lifted(p, {}, {});
+  EXPECT_LT(lifted.stable_dt(), 0.55 * column_step(p));
   for (int k = 0; k < 5; ++k) lifted.step(1e-4, {});
   EXPECT_LT(lifted.stable_dt(), 0.55 * column_step(p));
+  // The next step does not depend on whether the run was resumed here.
+  Simulation<2> resumed(p, {}, {});
+  resumed.set_state(lifted.state());
+  EXPECT_EQ(resumed.stable_dt(), lifted.stable_dt());
 }
 
 TEST(Simulation, ValueThatIsNotFiniteNamesParticlePlaceAndTime) {
