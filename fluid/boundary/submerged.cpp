@@ -20,12 +20,13 @@ constexpr int points_in_plane = 16, points_in_space = 6;
 /// Cells covered alike, of which all or none are left out, so that a symmetric body stays symmetric.
 constexpr std::size_t symmetric_images = 8;
 
+/// The surface of a body that stands in the water: it has corners where `Boundary` finds them.
 template <int dim>
 BodySurface<dim> surface_of(const InterfaceMesh& body, double spacing) {
   if constexpr (dim == 2)
     return BodySurface2d(body, spacing);
   else
-    return BodySurface3d(body, spacing, spacing);
+    return BodySurface3d(body, spacing, spacing, knuckles_under_water);
 }
 
 /// Returns the number of points of the cell around x that lie inside the body.

@@ -21,6 +21,9 @@ using Vector3 = Eigen::Vector3d;
 
 /// Round-off allowance at an edge, as a share of the distance to it.
 constexpr double tie = 1e-9;
+/// Cosine of two triangles' normals, 25 degrees, above which no chine that ends in their patch lies between
+/// them: it turns by 46 degrees and more. A keel that ends there and is blunter lengthens no pair.
+constexpr double one_side = 0.9;
 
 }  // namespace
 
@@ -70,7 +73,7 @@ void BodySurface3d::move(const Points& displacement, const Points& velocity, boo
   bend(places);
   if (!places) return;
   grid_.build(now_, mesh_.faces, 2 * spacing_);
-  halved_edges_.build(now_, 2 * spacing_);
+  halved_edges_.build(now_, face_normal_, 2 * spacing_);
 }
 
 // Computes the normals n and dn/dt from the area vectors of the triangles:
@@ -170,23 +173,29 @@ void BodySurface3d::add_layers() {
   go_beyond();
 }
 
-// Joins the borders between the same two patches end to end.
+// Joins the borders between the same two patches end to end, on either side of an edge that ends in a patch.
 void BodySurface3d::go_beyond() {
+  const auto at = [&](const SurfacePatches::Border& border, int mesh_point) {  // the corner of its triangle
+    int k = 0;
+    while (mesh_.faces(k, border.triangle) != mesh_point) ++k;
+    return patches_.corner(k, border.triangle);
+  };
   std::map<std::pair<int, int>, std::vector<const SurfacePatches::Border*>> groups;
   for (const auto& border : patches_.border) groups[{border.patch, border.other}].push_back(&border);
   for (const auto& [key, group] : groups) {
     std::map<int, const SurfacePatches::Border*> from, to;
     for (const auto* border : group) {
-      from[border->from] = border;
-      to[border->to] = border;
+      from[at(*border, border->from)] = border;
+      to[at(*border, border->to)] = border;
     }
     std::vector<const SurfacePatches::Border*> starts;
     for (const auto* border : group)
-      if (!to.contains(border->from)) starts.push_back(border);
+      if (!to.contains(at(*border, border->from))) starts.push_back(border);
     for (const auto* border : group) starts.push_back(border);  // closed rings start anywhere
     for (const auto* start : starts) {
       std::vector<const SurfacePatches::Border*> chain;
-      for (auto next = from.find(start->from); next != from.end(); next = from.find(chain.back()->to)) {
+      for (auto next = from.find(at(*start, start->from)); next != from.end();
+           next = from.find(at(*chain.back(), chain.back()->to))) {
         chain.push_back(next->second);
         from.erase(next);
       }
@@ -224,7 +233,7 @@ void BodySurface3d::add_beyond(const std::vector<const SurfacePatches::Border*>&
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < points(); ++k) {
       const double squared = (point(k) - x).squaredNorm();
-      if (edge_of(k) != border.patch || squared >= best) continue;
+      if (edge_of(k) != border.patch || squared >= best || !is_on_side(border, normal_.col(k))) continue;
       best = squared;
       nearest = k;
     }
@@ -305,10 +314,11 @@ bool BodySurface3d::crosses(int k, int near, const Vector3& a, const Vector3& b)
 
 bool BodySurface3d::separates(const Vector3& a, int near_a, const Vector3& b, int near_b) const {
   if (near_a < 0 || near_b < 0) return false;
-  if (patches_.of_triangle[static_cast<std::size_t>(near_a)] ==
-          patches_.of_triangle[static_cast<std::size_t>(near_b)] &&
-      face_normal_.col(near_a).dot(face_normal_.col(near_b)) > 0)
-    return false;
+  if (const int patch = patches_.of_triangle[static_cast<std::size_t>(near_a)];
+      patch == patches_.of_triangle[static_cast<std::size_t>(near_b)]) {
+    const double alike = face_normal_.col(near_a).dot(face_normal_.col(near_b));
+    if (alike > one_side || (alike > 0 && !halved_edges_.divides(a, b, patch, reach_))) return false;
+  }
   return grid_.cuts(a, b);
 }
 

@@ -206,10 +206,9 @@ SurfacePatches find_patches(const InterfaceMesh& mesh, const Knuckles& knuckles)
     if (!edge.corner) continue;
     const int left = patches.of_triangle[static_cast<std::size_t>(edge.left)],
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
-    // An edge that fades out in a smooth surface is one where it is as sharp as that of a plate; else it is
-    // followed as a knuckle is.
+    // A convex edge that fades out in a smooth surface has two sides as far as its turn is a corner's.
     const double angle = std::numbers::pi - edge.turn;
-    edge.corner = left != right || angle < right_angle;
+    edge.corner = left != right || edge.turn > 0;
     if (!edge.corner) continue;
     const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
     const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));

@@ -26,6 +26,8 @@ struct SurfacePatches {
     bool is_first() const { return patch < other || (patch == other && from < to); }
     /// Whether the faces beside it meet in the plane that halves the angle (F85).
     bool is_halved() const { return !sharp && angle < std::numbers::pi; }
+    /// Whether this is a chine that ends in the smooth surface: blunter than a right angle, with one patch.
+    bool is_fading_chine() const { return patch == other && angle >= right_angle; }
   };
   std::vector<int> of_triangle;
   Eigen::Matrix3Xi corner;  // of the triangles: those at one point have one corner where no edge divides them

@@ -129,19 +129,40 @@ class Spreading {
     keep(part);
   }
 
-  /// Samples of the patch, each with its triangle, its area and its unit normal.
+  /// Samples of the patch, each with its triangle, its area and its unit normal. to_side: across the plane
+  /// that halves a chine near by that ends in the patch, to the side of the sample; else zero.
   struct Sample {
     Vector3 place;
     int triangle;
     double area;
-    Vector3 normal;
+    Vector3 normal, to_side = Vector3::Zero();
   };
   struct Place {
     Vector3 middle, normal;
   };
-  /// Whether the sample lies on the side of a thin body that the place is on.
+  /// Whether the sample lies on the side of a thin body, and of a chine, that the place is on.
   static bool on_one_side(const Sample& sample, const Place& place) {
-    return sample.normal.dot(place.normal) > 0;
+    return sample.normal.dot(place.normal) > 0 && sample.to_side.dot(place.normal) >= 0;
+  }
+  /// Finds `to_side` of the samples within a spacing and a half of the patch's chines.
+  void find_sides(int patch, std::vector<Sample>& samples) const {
+    std::vector<const SurfacePatches::Border*> chines;
+    for (const auto& border : patches_.border)
+      if (border.patch == patch && border.is_fading_chine() && border.is_first()) chines.push_back(&border);
+    if (chines.empty()) return;
+    Eigen::Matrix3Xi ends(3, static_cast<Eigen::Index>(chines.size()));
+    for (std::size_t e = 0; e < chines.size(); ++e)
+      ends.col(static_cast<Eigen::Index>(e)) << chines[e]->from, chines[e]->to, chines[e]->to;
+    TriangleGrid edges;
+    edges.build(mesh_.position, ends, spacing_);
+    for (Sample& sample : samples) {
+      const auto foot = edges.nearest(sample.place, 1.5 * spacing_);
+      if (foot.triangle < 0) continue;
+      const auto* chine = chines[static_cast<std::size_t>(foot.triangle)];
+      const Vector3 across = normal_of(mesh_, chine->triangle).normalized() -
+                             normal_of(mesh_, chine->other_triangle).normalized();
+      sample.to_side = across.dot(sample.normal) > 0 ? across : Vector3(-across);
+    }
   }
   std::vector<Sample> samples_of(const std::vector<int>& triangles) const {
     std::vector<Sample> samples;
@@ -153,16 +174,23 @@ class Spreading {
       const Vector3 normal = u.cross(v).normalized();
       for (int i = 0; i < n; ++i)
         for (int j = 0; i + j < n; ++j) {
-          samples.push_back({a + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n, t, area, normal});
+          samples.push_back({.place = a + ((i + 1.0 / 3) * u + (j + 1.0 / 3) * v) / n,
+                             .triangle = t,
+                             .area = area,
+                             .normal = normal});
           if (i + j + 1 < n)
-            samples.push_back({a + ((i + 2.0 / 3) * u + (j + 2.0 / 3) * v) / n, t, area, normal});
+            samples.push_back({.place = a + ((i + 2.0 / 3) * u + (j + 2.0 / 3) * v) / n,
+                               .triangle = t,
+                               .area = area,
+                               .normal = normal});
         }
     }
     return samples;
   }
 
   void settle(int patch, const std::vector<int>& triangles) {
-    const std::vector<Sample> samples = samples_of(triangles);
+    std::vector<Sample> samples = samples_of(triangles);
+    find_sides(patch, samples);
     const double area = patches_.area[static_cast<std::size_t>(patch)];
     const int count = std::max(1, static_cast<int>(std::lround(area / (spacing_ * spacing_))));
     std::vector<Place> place;

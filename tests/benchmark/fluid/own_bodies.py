@@ -76,6 +76,21 @@ def boat():
     return stacked([ends[0]] + rings + [ends[1]])
 
 
+def planing():
+    """A planing hull 0.7 m long and 0.38 m wide: prismatic V of 20 degrees aft, bow that narrows and rises, upright sides; 4 degrees up by the bow. The chine turns by
+    70 degrees aft and by 43 at the bow."""
+    n, half, trim, rings = 24, 0.19, math.radians(4), []
+    for i in range(n + 1):
+        s = i / n
+        fore = max(0.0, (s - 0.6) / 0.4)
+        breadth, keel = half * (1 - 0.9 * fore**2), 0.55 * half * fore**2.5
+        x, chine, deck = 0.7 * (s - 0.5), max(half * tan(20), keel + breadth * tan(20) * (1 + 0.8 * fore)), 1.3 * half
+        ring = [(x, keel, 0.0), (x, chine, breadth), (x, deck, breadth), (x, deck, -breadth), (x, chine, -breadth)]
+        rings.append([(math.cos(trim) * x - math.sin(trim) * y, math.sin(trim) * x + math.cos(trim) * y, z) for x, y, z in ring])
+    ends = [[tuple(sum(p[k] for p in ring) / 5 for k in range(3))] * 5 for ring in (rings[0], rings[-1])]
+    return stacked([ends[0]] + rings + [ends[1]])
+
+
 def stl(triangles):
     corner = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %.9g %.9g %.9g\n" % p for p in t) + "endloop\nendfacet\n" for t in triangles)
     return f"solid body\n{corner}endsolid body\n"
@@ -235,11 +250,21 @@ def post_read(run):
     return "impulse at 0.3, 0.6 ms: " + ", ".join(f"{impulse(run, 0, t0 + at) / (RHO * 0.1**3 * 5):.3f}" for at in (3e-4, 6e-4)) + " rho a^3 V (1.607, 1.760)"
 
 
+def planing_read(run):
+    """Scatter of the force about its running mean of a fifteenth of the time, from 0.6 of the time on: the chine is wet."""
+    force, half = run["force.y"], max(1, round(len(run["force.y"]) / 30))
+    mean = [sum(around) / len(around) for around in (force[max(0, k - half):k + half + 1] for k in range(len(force)))]
+    kept = [k for k, t in enumerate(run["time"]) if t > 0.6 * run["time"][-1]]
+    square = sum((force[k] - mean[k]) ** 2 for k in kept) / len(kept)
+    return f"impulse {impulse(run, 0, 1):.2f} N s, scatter {math.sqrt(square) * len(kept) / sum(mean[k] for k in kept):.3f} of the force"
+
+
 PLANE = {"wedge": (wedge_10, 0.005), "slow": (wedge_slow, 0.0125), "section": (section, 0.005), "catamaran": (catamaran, 0.005), "keel": (keeled, 0.005),
          "heeled": (heeled, 0.005), "bow": (bow, 0.005), "panels": (panels, 0.008), "barge": (barge, 0.02), "flap": (flap, 0.01), "step": (step_of_water, 0.01)}
 SPACE = {"cone": (lambda: turned([(0, 0), (0.2, 0.2 * tan(30)), (0.2, 0.2 * tan(30) + 0.05), (0, 0.2 * tan(30) + 0.05)]), [], cone_read),
          "side": (lambda: [tuple((y, x, z) for x, y, z in t)[::-1] for t in turned([(0, -0.2), (0.1, -0.2), (0.1, 0.2), (0, 0.2)])], [], side_read),
          "post": (lambda: turned([(0, 0), (0.1, 0), (0.1, 0.4), (0, 0.4)]), [], post_read),
+         "planing": (planing, [], planing_read),
          "boat": (boat, ["--mass", "20"], lambda run: last(run, "body.vy", "body.angle.z")),
          "boat level": (boat, ["--mass", "20"], lambda run: last(run, "body.vy"))}
 
