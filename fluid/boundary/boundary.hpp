@@ -161,6 +161,11 @@ class Boundary {
   /// Returns the same distance from the nearest free end [m]: a corner that does not stand at a wall.
   /// only_sharp: of at most a right angle, and no keel.
   double inside_free_end(int point, const Vector<dim>& x, bool only_sharp = true) const;
+  /// Returns the distance of x inside the plane that halves the nearest chine of that face (`Bend::chine`),
+  /// along the face [m]. It is negative past it, and infinite where none is near.
+  double inside_chine(int point, const Vector<dim>& x) const {
+    return body_surface_.inside_chine(point, beside(point, x));
+  }
   /// Returns the same distance from the nearest keel of at most a right angle [m]; infinity in the plane.
   double inside_keel(int point, const Vector<dim>& x) const {
     if constexpr (dim == 2)

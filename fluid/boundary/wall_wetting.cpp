@@ -108,7 +108,8 @@ bool WallContact<dim>::leaves(const Boundary<dim>& boundary, const State<dim>& s
                               std::int64_t particle, const Vector<dim>& place) const {
   const Vector<dim> past = state.velocity.col(particle) - state.velocity.col(row);
   return past.dot(axis_.col(row - first_)) > leaving_slope * past.norm() &&
-         boundary.inside_free_end(boundary.point_of(row), place, false) < leaving_reach * spacing_;
+         std::min(boundary.inside_free_end(boundary.point_of(row), place, false),
+                  boundary.inside_chine(boundary.point_of(row), place)) < leaving_reach * spacing_;
 }
 
 template <int dim>
@@ -117,8 +118,8 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
                                                                    const Neighbours& near,
                                                                    std::int64_t j) const {
   Nearest nearest{std::numeric_limits<double>::infinity(), -1};
-  const bool meets = j >= boundary.first_of_bodies() && !boundary.volume() &&
-                     state.surface[static_cast<std::size_t>(j)] != 0 && !fades();
+  const bool is_body = j >= boundary.first_of_bodies() && !boundary.volume();
+  const bool meets = is_body && state.surface[static_cast<std::size_t>(j)] != 0 && !fades();
   for (const std::int32_t i : near.row(j)) {
     if (i >= boundary.water()) break;
     const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(j), state.position.col(i));
@@ -129,8 +130,9 @@ typename WallContact<dim>::Nearest WallContact<dim>::nearest_water(const Boundar
       const double up = r.dot(axis_.col(j - first_));
       if (r.squaredNorm() - up * up > aside * aside * spacing_ * spacing_) continue;
       height = (up - depth_[j - first_]) / spacing_;
-      if (meets && height < joining_height && leaves(boundary, state, j, i, state.position.col(j) + r))
-        continue;
+      const Vector<dim> place = state.position.col(j) + r;
+      if (is_body && boundary.inside_chine(boundary.point_of(j), place) < 0) continue;
+      if (meets && height < joining_height && leaves(boundary, state, j, i, place)) continue;
     }
     if (height < nearest.height) nearest = {height, i};
   }

@@ -70,7 +70,7 @@ void BodySurface2d::add_edges(const Outline& outline) {
     if (outline.bend[k] == Bend::corner) corners.push_back(k);
   const bool closed = corners.empty();
   if (closed) {  // from a knuckle, which must end a stretch
-    const auto first = std::ranges::find(outline.bend, Bend::knuckle);
+    const auto first = std::ranges::find_if(outline.bend, is_turn_within_face);
     corners.push_back(first == outline.bend.end() ? 0
                                                   : static_cast<std::size_t>(first - outline.bend.begin()));
   }
@@ -86,7 +86,7 @@ void BodySurface2d::add_edges(const Outline& outline) {
     for (std::size_t k = begin + 1; k < end; ++k) {
       const bool bends = std::abs(outline.turn[k % n]) > flat_angle;
       edge.curved = edge.curved || (bends && outline.bend[k % n] == Bend::smooth);
-      turned += outline.bend[k % n] == Bend::knuckle ? corner_angle : std::abs(outline.turn[k % n]);
+      turned += is_turn_within_face(outline.bend[k % n]) ? corner_angle : std::abs(outline.turn[k % n]);
     }
     edge.plane = !closed && turned < corner_angle;
     if (!closed) {
@@ -97,6 +97,7 @@ void BodySurface2d::add_edges(const Outline& outline) {
       edge.end_sharp = is_sharp_corner(edge.end_angle, down(end + n - 1), down(end));
     }
     add_pieces(outline, begin, end, edge);
+    find_chines(outline, begin, edge);
     edges_.push_back(edge);
   }
   connect(first_edge);
@@ -111,7 +112,7 @@ void BodySurface2d::add_edges(const Outline& outline) {
 void BodySurface2d::add_pieces(const Outline& outline, std::size_t begin, std::size_t end, Edge& edge) {
   std::vector<double> length{0}, stop{0};  // along the edge: at each of its points; where stretches end [m]
   for (std::size_t k = begin; k < end; ++k) {
-    if (k > begin && outline.bend[k % outline.size()] == Bend::knuckle) stop.push_back(length.back());
+    if (k > begin && is_turn_within_face(outline.bend[k % outline.size()])) stop.push_back(length.back());
     length.push_back(length.back() + (outline.at(k + 1) - outline.at(k)).norm());
   }
   stop.push_back(length.back());
@@ -247,6 +248,7 @@ void BodySurface2d::move(const Vectors2& displacement, const Vectors2& velocity)
       ends_[r][last ? 1 : 0] = {place, inwards, inwards.norm(), reach2};
     }
   meet_at_bisectors();
+  place_chines();
   place_boxes();
   for (const Edge& edge : edges_)
     for (int i = 0; i < edge.count; ++i) {
@@ -279,6 +281,39 @@ void BodySurface2d::meet_at_bisectors() {
       const Vector2 direction = own.inwards / own.length, across = direction - other.inwards / other.length;
       own = {own.place, across, direction.dot(across), own.reach2};
     }
+}
+
+/// Lists the chines of an edge from point `begin` of the outline on, and which of them end each stretch.
+void BodySurface2d::find_chines(const Outline& outline, std::size_t begin, const Edge& edge) {
+  chines_.beside.resize(edge_of_.size(), {-1, -1});
+  const auto beside = [&](int piece) -> std::array<int, 2>& {
+    return chines_.beside[static_cast<std::size_t>(edge.first + piece)];
+  };
+  const std::size_t stretches = edge.stretch.size() - 1;
+  std::size_t k = begin;
+  for (std::size_t c = edge.closed ? 0 : 1; c < stretches; ++c) {
+    if (c > 0) do
+        ++k;
+      while (!is_turn_within_face(outline.bend[k % outline.size()]));
+    if (outline.bend[k % outline.size()] != Bend::chine) continue;
+    const int number = static_cast<int>(chines_.chine.size()), at = edge.stretch[c];
+    chines_.chine.push_back(
+        {edge.vertex + (at > 0 ? at : edge.count) - 1, edge.vertex + at, edge.vertex + at + 1, {}});
+    for (int i = at; i < edge.stretch[c + 1]; ++i) beside(i)[0] = number;
+    const std::size_t before = c > 0 ? c - 1 : stretches - 1;
+    for (int i = edge.stretch[before]; i < edge.stretch[before + 1]; ++i) beside(i)[1] = number;
+  }
+}
+
+/// Both faces of a chine end at the plane that halves it, as those of a corner do that is not sharp (F85).
+void BodySurface2d::place_chines() {
+  const double reach2 = end_reach * end_reach * spacing_ * spacing_;
+  for (Chine& chine : chines_.chine) {
+    const Vector2 place = vertex_.col(chine.place), behind = (vertex_.col(chine.behind) - place).normalized(),
+                  before = (vertex_.col(chine.before) - place).normalized(), across = behind - before;
+    chine.ending = {Ending{place, across, behind.dot(across), reach2},
+                    Ending{place, -across, -before.dot(across), reach2}};
+  }
 }
 
 bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {

@@ -29,11 +29,11 @@ class BodySurface2d {
   /// One edge: wet points first … first+count−1, vertices vertex … vertex+count.
   struct Edge {
     int first = 0, count = 0, vertex = 0;
-    std::vector<int> stretch;                 // pieces that begin a stretch between knuckles; count
-    int previous = 0, next = 0;               // neighbours around the body
-    bool closed = false;                      // smooth body without corners
-    bool curved = false;                      // it bends smoothly in the reference
-    bool plane = false;                       // no knuckles, and it turns by less than 20 degrees in all
+    std::vector<int> stretch;    // pieces that begin one between knuckles or chines; count
+    int previous = 0, next = 0;  // neighbours around the body
+    bool closed = false;         // smooth body without corners
+    bool curved = false;         // it bends smoothly in the reference
+    bool plane = false;          // no knuckle or chine, and it turns by less than 20 degrees in all
     bool owns_start = true, owns_end = true;  // a segment through the very corner crosses one edge only
     double piece = 0;                         // reference length of a piece [m]
     // Angle inside the body at its corners [rad], in the reference; π where it has none.
@@ -98,6 +98,17 @@ class BodySurface2d {
     bool sharp;  // water leaves the body there
   };
   End end_of(int edge, bool last, const Vector2& x) const;
+  /// Returns the distance of x inside the plane that halves the nearest chine of that wet point's stretch
+  /// (`Bend::chine`), along the face [m]. It is negative past it, and infinite where none is near.
+  double inside_chine(int point, const Vector2& x) const {
+    double inside = std::numeric_limits<double>::infinity();
+    if (chines_.chine.empty()) return inside;
+    const auto& beside = chines_.beside[static_cast<std::size_t>(point)];
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
+      if (const int c = beside[side]; c >= 0)
+        inside = std::min(inside, chines_.chine[static_cast<std::size_t>(c)].ending[side].inside(x));
+    return inside;
+  }
   bool is_between_sharp_corners(int edge) const;
   bool is_curved(int edge) const { return edges_[static_cast<std::size_t>(edge)].curved; }
 
@@ -118,6 +129,14 @@ class BodySurface2d {
       return r.squaredNorm() < reach2 ? r.dot(inwards) / length : std::numeric_limits<double>::infinity();
     }
   };
+  struct Chine {
+    int before, place, behind;     // vertices
+    std::array<Ending, 2> ending;  // of the stretch behind it, and of that before it
+  };
+  struct Chines {
+    std::vector<Chine> chine;
+    std::vector<std::array<int, 2>> beside;  // of each wet point: at the start, the end of its stretch
+  };
   struct Box {
     Vector2 low = Vector2::Zero(), high = Vector2::Zero();
     bool meets(const Box& other) const {
@@ -133,6 +152,8 @@ class BodySurface2d {
   Vector2 half_piece(const Edge&, int point, bool is_position) const;
   void place_vertices(const Edge&, const Vectors2& from, Vectors2& to, bool is_position);
   void meet_at_bisectors();
+  void find_chines(const Outline&, std::size_t begin, const Edge&);
+  void place_chines();
   void place_boxes();
   std::pair<int, int> pieces_beside(int edge, const Vector2& a, const Vector2& b) const;
   bool crosses_piece(int vertex, const Vector2& a, const Vector2& b, double from, double to) const;
@@ -147,6 +168,7 @@ class BodySurface2d {
   Vectors2 vertex_, vertex_velocity_;
   Eigen::VectorXd area_;
   std::vector<std::array<Ending, 2>> ends_;  // of each edge: start, end
+  Chines chines_;
   std::vector<std::uint8_t> is_even_;
   std::vector<Box> box_, block_box_;      // around each edge; around blocks of its pieces
   std::vector<std::size_t> first_block_;  // of each edge

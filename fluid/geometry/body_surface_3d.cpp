@@ -58,7 +58,8 @@ BodySurface3d::BodySurface3d(const InterfaceMesh& partner, double spacing, doubl
           0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
   patch_corner_scale_ = sum.colwise().norm().cwiseInverse();
   move(still, still, true);
-  find_local_edges();
+  near_edges_ = near_edges(patches_.border);
+  near_chines_ = near_edges(patches_.chine);
   add_layers();
 }
 
@@ -137,30 +138,39 @@ bool BodySurface3d::is_on_side(const SurfacePatches::Border& border, const Vecto
 }
 
 // The larger of two patches owns the edge between them, of equal ones the first.
-void BodySurface3d::find_local_edges() {
+auto BodySurface3d::local_edge(const SurfacePatches::Border& border, int k) const -> LocalEdge {
+  const int t = points_.point[static_cast<std::size_t>(k)].triangle;
+  const Vector3 x = point_.col(k), a = mesh_.position.col(border.from), b = mesh_.position.col(border.to);
+  const double mine = patches_.area[static_cast<std::size_t>(border.patch)],
+               theirs = patches_.area[static_cast<std::size_t>(border.other)];
+  const bool owned = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border.is_first());
+  const bool divides = border.other != border.patch;
+  return {in_triangle(mesh_.position, t, a - x),
+          in_triangle(mesh_.position, t, b - x),
+          owned,
+          border.sharp,
+          border.is_halved() ? 1 / std::tan(0.5 * border.angle) : 0.0,
+          divides ? -1 : border.triangle,
+          divides ? -1 : border.other_triangle};
+}
+
+auto BodySurface3d::near_edges(const std::vector<SurfacePatches::Border>& borders) const -> NearEdges {
   const double far = reach_ + 2 * spacing_;
   std::vector<std::vector<const SurfacePatches::Border*>> of_patch(patches_.area.size());
-  for (const auto& border : patches_.border)
-    of_patch[static_cast<std::size_t>(border.patch)].push_back(&border);
-  edge_start_.assign(1, 0);
+  for (const auto& border : borders) of_patch[static_cast<std::size_t>(border.patch)].push_back(&border);
+  NearEdges near;
+  near.start.assign(1, 0);
   for (int k = 0; k < points(); ++k) {
-    const WetPoints::Point& p = points_.point[static_cast<std::size_t>(k)];
     const Vector3 x = point_.col(k);
-    for (const auto* border : of_patch[static_cast<std::size_t>(p.patch)]) {
-      const Vector3 a = mesh_.position.col(border->from), b = mesh_.position.col(border->to), t = b - a;
+    for (const auto* border : of_patch[static_cast<std::size_t>(edge_of(k))]) {
+      const Vector3 a = mesh_.position.col(border->from), t = mesh_.position.col(border->to) - a;
       const double s = std::clamp((x - a).dot(t) / t.squaredNorm(), 0.0, 1.0);
-      if ((a + s * t - x).norm() > far || !is_on_side(*border, normal_.col(k))) continue;
-      const double mine = patches_.area[static_cast<std::size_t>(border->patch)],
-                   theirs = patches_.area[static_cast<std::size_t>(border->other)];
-      const bool owned = mine > theirs * (1 + tie) || (mine > theirs * (1 - tie) && border->is_first());
-      const bool divides = border->other != border->patch;
-      edge_.push_back({in_triangle(mesh_.position, p.triangle, a - x),
-                       in_triangle(mesh_.position, p.triangle, b - x), owned, border->sharp,
-                       border->is_halved() ? 1 / std::tan(0.5 * border->angle) : 0.0,
-                       divides ? -1 : border->triangle, divides ? -1 : border->other_triangle});
+      if ((a + s * t - x).norm() <= far && is_on_side(*border, normal_.col(k)))
+        near.edge.push_back(local_edge(*border, k));
     }
-    edge_start_.push_back(edge_.size());
+    near.start.push_back(near.edge.size());
   }
+  return near;
 }
 
 void BodySurface3d::add_layers() {
@@ -264,14 +274,14 @@ Vector3 BodySurface3d::velocity(const LayerParticle& at) const {
 // Whether c, in the plane of the patch at wet point k, lies on that patch. It does when the straight line
 // from k to c crosses the edges of the patch an even number of times.
 bool BodySurface3d::holds(int k, const Vector3& c) const {
-  const auto first = edge_start_[static_cast<std::size_t>(k)],
-             last = edge_start_[static_cast<std::size_t>(k) + 1];
+  const auto first = near_edges_.start[static_cast<std::size_t>(k)],
+             last = near_edges_.start[static_cast<std::size_t>(k) + 1];
   if (first == last) return true;
   const Vector2 way =
       in_triangle(now_, points_.point[static_cast<std::size_t>(k)].triangle, c - point_.col(k));
   bool in = true;
   for (std::size_t e = first; e < last; ++e) {
-    const LocalEdge& edge = edge_[e];
+    const LocalEdge& edge = near_edges_.edge[e];
     const double sa = cross(way, edge.from), sb = cross(way, edge.to);
     if ((sa > 0) == (sb > 0)) continue;
     const Vector2 along = edge.to - edge.from;
@@ -288,7 +298,7 @@ bool BodySurface3d::holds(int k, const Vector3& c) const {
 bool BodySurface3d::is_beyond_fading_edge(int k, const Vector3& x) const {
   double nearest = std::numeric_limits<double>::infinity();
   bool beyond = false;
-  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
+  for_each_near_edge(near_edges_, k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
     if (edge.theirs < 0 || away >= nearest) return;
     nearest = away;
     beyond = (x - place).dot(face_normal_.col(edge.mine) - face_normal_.col(edge.theirs)) < 0;
@@ -336,7 +346,7 @@ bool BodySurface3d::faces(int k, const Vector3& x) const {
   const double height = arm.dot(normal_.col(k));
   if (!(height > 0)) return false;
   double past = std::numeric_limits<double>::infinity(), allowed = 0;
-  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
+  for_each_near_edge(near_edges_, k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
     if (away > past || (away == past && edge.lean > 0)) return;
     past = away;
     allowed = height * edge.lean;
@@ -346,10 +356,26 @@ bool BodySurface3d::faces(int k, const Vector3& x) const {
 
 double BodySurface3d::inside_keel(int k, const Vector3& x) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
+  for_each_near_edge(near_edges_, k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
     if (edge.lean > 1) nearest = std::min(nearest, away);
   });
   return std::isinf(nearest) || holds(k, x) ? nearest : -nearest;
+}
+
+// With the normals n of this side and n' of the other one, n − n' points across the plane that halves the
+// chine:
+//   e = (x − place)·(n − n')/|n × n'| .
+double BodySurface3d::inside_chine(int k, const Vector3& x) const {
+  double nearest = std::numeric_limits<double>::infinity(), inside = nearest;
+  if (patches_.chine.empty()) return inside;
+  for_each_near_edge(near_chines_, k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
+    const Vector3 mine = face_normal_.col(edge.mine), theirs = face_normal_.col(edge.theirs);
+    const double e = (x - place).dot(mine - theirs) / mine.cross(theirs).norm();
+    if (away > nearest || (away == nearest && e > inside)) return;
+    nearest = away;
+    inside = e;
+  });
+  return inside;
 }
 
 auto BodySurface3d::nearest(const Vector3& x) const -> Foot {

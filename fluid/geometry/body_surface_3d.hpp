@@ -92,6 +92,9 @@ class BodySurface3d {
   /// Returns how far x lies inside the nearest edge that is a keel of at most a right angle, along the face
   /// [m]. It is negative past it, and infinite where none is near.
   double inside_keel(int k, const Vector3& x) const;
+  /// Returns the distance of x inside the plane that halves the chine nearest to it (`Bend::chine`), along
+  /// the face of wet point k [m]. It is negative past it, and infinite where none is near.
+  double inside_chine(int k, const Vector3& x) const;
   /// Whether the patch of wet point k lies in one plane at the start and has such corners alone.
   bool is_between_sharp_corners(int k) const {
     return patches_.between_sharp_corners[static_cast<std::size_t>(edge_of(k))] != 0;
@@ -117,14 +120,20 @@ class BodySurface3d {
     Eigen::Vector2d from, to;
     bool owned, sharp;
     double lean;       // tan of the angle between normal and halving plane, zero at a sharp or concave edge
-    int mine, theirs;  // the triangles beside an edge that ends in a smooth patch; else -1
+    int mine, theirs;  // the triangles beside a chine, or an edge that ends in a smooth patch; else -1
   };
   bool is_on_side(const SurfacePatches::Border&, const Vector3& n) const;
-  void find_local_edges();
-  /// Calls visit(edge, distance of x from it along the face [m], nearest place of the edge) for the edges of
-  /// the patch that lie near wet point k.
+  LocalEdge local_edge(const SurfacePatches::Border&, int k) const;
+  /// Edges near each wet point, those of one after those of another.
+  struct NearEdges {
+    std::vector<std::size_t> start;  // of each wet point
+    std::vector<LocalEdge> edge;
+  };
+  NearEdges near_edges(const std::vector<SurfacePatches::Border>&) const;
+  /// Calls visit(edge, distance of x from it along the face [m], nearest place of the edge) for those of
+  /// wet point k.
   template <class Visit>
-  void for_each_near_edge(int k, const Vector3& x, const Visit& visit) const;
+  void for_each_near_edge(const NearEdges&, int k, const Vector3& x, const Visit& visit) const;
   void add_layers();
   void go_beyond();
   void add_beyond(const std::vector<const SurfacePatches::Border*>& chain);
@@ -142,9 +151,9 @@ class BodySurface3d {
   HalvedEdges halved_edges_;
   double spacing_ = 0, reach_ = 0;
   std::vector<LayerParticle> layer_particles_;
-  std::vector<int> point_in_;            // a wet point of each triangle
-  std::vector<std::size_t> edge_start_;  // of each wet point
-  std::vector<LocalEdge> edge_;
+  std::vector<int> point_in_;           // a wet point of each triangle
+  NearEdges near_edges_;                // of the patch
+  NearEdges near_chines_;               // within the patch
   Eigen::VectorXd patch_corner_scale_;  // 1/|Σ area vectors| at each corner, of the reference [1/m²]
   Points now_, rate_;                   // of the mesh's points
   Points point_, velocity_, normal_, normal_rate_, area_;
@@ -153,16 +162,18 @@ class BodySurface3d {
 };
 
 template <class Visit>
-void BodySurface3d::for_each_near_edge(int k, const Vector3& x, const Visit& visit) const {
+void BodySurface3d::for_each_near_edge(const NearEdges& edges, int k, const Vector3& x,
+                                       const Visit& visit) const {
   const int t = points_.point[static_cast<std::size_t>(k)].triangle;
   const Vector3 e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0), middle = point_.col(k);
   const auto in_space = [&](const Eigen::Vector2d& at) -> Vector3 { return at.x() * e1 + at.y() * e2; };
   const Vector3 foot = in_space(in_triangle(now_, t, x - middle));
-  for (auto e = edge_start_[static_cast<std::size_t>(k)]; e < edge_start_[static_cast<std::size_t>(k) + 1];
-       ++e) {
-    const Vector3 from = in_space(edge_[e].from), along = in_space(edge_[e].to) - from;
+  const auto at = static_cast<std::size_t>(k);
+  for (auto e = edges.start[at]; e < edges.start[at + 1]; ++e) {
+    const LocalEdge& edge = edges.edge[e];
+    const Vector3 from = in_space(edge.from), along = in_space(edge.to) - from;
     const Vector3 place = from + std::clamp((foot - from).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
-    visit(edge_[e], (foot - place).norm(), middle + place);
+    visit(edge, (foot - place).norm(), middle + place);
   }
 }
 
@@ -170,7 +181,7 @@ template <class Counts>
 double BodySurface3d::within(int k, const Vector3& x, const Counts& counts) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double nearest = infinity, counted = infinity;
-  for_each_near_edge(k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
+  for_each_near_edge(near_edges_, k, x, [&](const LocalEdge& edge, double away, const Vector3& place) {
     nearest = std::min(nearest, away);
     if (away < counted && counts(edge.sharp, place)) counted = away;
   });

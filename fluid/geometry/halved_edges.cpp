@@ -7,17 +7,18 @@ namespace strake::fluid {
 
 HalvedEdges::HalvedEdges(const SurfacePatches& surface) {
   std::vector<const SurfacePatches::Border*> once;
-  for (const auto& border : surface.border)
-    if (border.is_halved() && border.is_first()) once.push_back(&border);
+  for (const auto* sides : {&surface.border, &surface.chine})
+    for (const auto& border : *sides)
+      if (border.is_halved() && border.is_first()) once.push_back(&border);
   ends_.resize(3, static_cast<Eigen::Index>(once.size()));
   across_.setZero(3, ends_.cols());
   for (std::size_t e = 0; e < once.size(); ++e) {
     const auto& border = *once[e];
     ends_.col(static_cast<Eigen::Index>(e)) << border.from, border.to, border.to;
     patches_.emplace_back(border.patch, border.other);
-    const bool fades = border.is_fading_chine();
-    triangles_.emplace_back(fades ? border.triangle : -1, fades ? border.other_triangle : -1);
-    has_fading_ = has_fading_ || fades;
+    const bool is_within = border.is_within_patch();
+    triangles_.emplace_back(is_within ? border.triangle : -1, is_within ? border.other_triangle : -1);
+    has_within_ = has_within_ || is_within;
   }
 }
 
@@ -25,7 +26,7 @@ void HalvedEdges::build(const Eigen::Matrix3Xd& position, const Eigen::Matrix3Xd
   if (patches_.empty()) return;
   position_ = position;
   grid_.build(position, ends_, least_cell);
-  for (std::size_t e = 0; has_fading_ && e < triangles_.size(); ++e)
+  for (std::size_t e = 0; has_within_ && e < triangles_.size(); ++e)
     if (const auto [mine, theirs] = triangles_[e]; mine >= 0)
       across_.col(static_cast<Eigen::Index>(e)) = normal.col(mine) - normal.col(theirs);
 }
@@ -45,7 +46,7 @@ HalvedEdges::Way HalvedEdges::way_over(int e, const Vector3& a, const Vector3& b
   return {(a - v).norm() + (b - v).norm(), beyond <= room * (from_a + from_b)};
 }
 
-// Whether the plane that halves a chine that ends in its patch divides a from b.
+// Whether the plane that halves a chine within a patch divides a from b.
 bool HalvedEdges::is_passed(int e, const Vector3& a, const Vector3& b) const {
   const Vector3 from = position_.col(ends_(0, e)), across = across_.col(e);
   return (across.dot(a - from) > 0) != (across.dot(b - from) > 0);
@@ -67,7 +68,7 @@ double HalvedEdges::way_around(const Vector3& a, int patch_a, const Vector3& b, 
 }
 
 bool HalvedEdges::divides(const Vector3& a, const Vector3& b, int patch, double limit) const {
-  if (!has_fading_) return false;
+  if (!has_within_) return false;
   const Vector3 middle = 0.5 * (a + b), farthest = Vector3::Constant(0.5 * limit);
   for (const int e : grid_.in_box(middle - farthest, middle + farthest)) {
     const auto k = static_cast<std::size_t>(e);

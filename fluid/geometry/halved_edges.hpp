@@ -27,8 +27,8 @@ class HalvedEdges {
   /// Returns the shortest way from a to b over an edge between those two patches [m]; infinity from `limit`
   /// on.
   double way_around(const Vector3& a, int patch_a, const Vector3& b, int patch_b, double limit) const;
-  /// Whether a and b lie before different sides of a chine that ends in that patch, on a way over it shorter
-  /// than `limit`.
+  /// Whether a and b lie before different sides of a chine within that patch, on a way over it shorter than
+  /// `limit`.
   bool divides(const Vector3& a, const Vector3& b, int patch, double limit) const;
 
  private:
@@ -40,8 +40,8 @@ class HalvedEdges {
   Way way_over(int edge, const Vector3& a, const Vector3& b) const;
   bool is_passed(int edge, const Vector3& a, const Vector3& b) const;
   std::vector<std::pair<int, int>> patches_;    // beside each edge, the smaller number first
-  std::vector<std::pair<int, int>> triangles_;  // beside a chine that ends in its patch; else −1
-  bool has_fading_ = false;                     // any of those
+  std::vector<std::pair<int, int>> triangles_;  // beside a chine within a patch; else −1
+  bool has_within_ = false;                     // any of those
   Eigen::Matrix3Xi ends_;                       // from, to, to: triangles without area
   Eigen::Matrix3Xd across_;                     // normal of the plane that halves such a chine
   Eigen::Matrix3Xd position_;

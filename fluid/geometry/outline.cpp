@@ -78,7 +78,7 @@ Outline::Outline(const InterfaceMesh& partner, const std::vector<int>& loop, dou
     for (const std::size_t step : {std::size_t{1}, bends.size() - 1})
       if (const double other = std::abs(turn[bends[(b + step) % bends.size()]]); other <= corner_angle)
         beside = std::max(beside, other);
-    bend[k] = bend_of(std::abs(turn[k]), beside, normal(k + n - 1), normal(k), knuckles);
+    bend[k] = bend_of(turn[k], beside, normal(k + n - 1), normal(k), knuckles);
   }
 }
 

@@ -44,7 +44,8 @@ struct Edge {
   int from = 0, to = 0;       // in the order of the triangle `left`
   int left = -1, right = -1;  // the two triangles
   double turn = 0;            // of the normal across it [rad], positive where the body is convex
-  bool corner = false;
+  Bend bend = Bend::smooth;
+  bool corner = false;  // the faces beside it end there
 };
 
 [[noreturn]] void fail(const InterfaceMesh& mesh, const std::string& problem, const std::string& fix) {
@@ -108,8 +109,8 @@ void measure_turns(const InterfaceMesh& mesh, const std::vector<Vector3>& area, 
   }
 }
 
-/// Marks the edges that are corners; returns the sets of triangles that no corner divides.
-Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, const Knuckles& knuckles) {
+/// Finds what each edge is.
+void find_bends(std::vector<Edge>& edges, const std::vector<Vector3>& area, const Knuckles& knuckles) {
   const std::size_t triangles = area.size();
   // Edges between triangles of one plane join them to a flat face. Other edges below the corner angle are
   // bends.
@@ -129,7 +130,6 @@ Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, co
     beside[i][j] = std::max(beside[i][j], std::abs(edge.turn));
     beside[j][i] = std::max(beside[j][i], std::abs(edge.turn));
   }
-  Sets smooth(triangles);
   for (Edge& edge : edges) {
     const int i = flat.root(edge.left), j = flat.root(edge.right);
     double other = 0;
@@ -138,15 +138,28 @@ Sets mark_corners(std::vector<Edge>& edges, const std::vector<Vector3>& area, co
     for (const auto& [face, turn] : beside[j])
       if (face != i) other = std::max(other, turn);
     const auto normal = [&](int t) { return area[static_cast<std::size_t>(t)].normalized(); };
-    edge.corner =
-        bend_of(std::abs(edge.turn), other, normal(edge.left), normal(edge.right), knuckles) == Bend::corner;
-    if (!edge.corner) smooth.join(edge.left, edge.right);
+    edge.bend = bend_of(edge.turn, other, normal(edge.left), normal(edge.right), knuckles);
+    edge.corner = edge.bend == Bend::corner;
   }
-  return smooth;
+}
+
+/// Numbers the sets of triangles that are joined over the edges that join, in the order of their first
+/// triangles.
+template <class Joins>
+std::vector<int> numbered_sets(const std::vector<Edge>& edges, std::size_t triangles, const Joins& joins) {
+  Sets sets(triangles);
+  for (const Edge& edge : edges)
+    if (joins(edge)) sets.join(edge.left, edge.right);
+  std::vector<int> of_triangle(triangles);
+  std::map<int, int> number;
+  for (std::size_t t = 0; t < triangles; ++t)
+    of_triangle[t] =
+        number.emplace(sets.root(static_cast<int>(t)), static_cast<int>(number.size())).first->second;
+  return of_triangle;
 }
 
 /// Numbers the corners of the triangles, in their order. Triangles that share a point and an edge there that
-/// is no corner have one number.
+/// is neither corner nor chine have one number.
 Eigen::Matrix3Xi corners_between(const InterfaceMesh& mesh, const std::vector<Edge>& edges) {
   const auto place = [&](int triangle, int point) {
     int k = 0;
@@ -156,7 +169,8 @@ Eigen::Matrix3Xi corners_between(const InterfaceMesh& mesh, const std::vector<Ed
   Sets shared(static_cast<std::size_t>(mesh.faces.size()));
   for (const Edge& edge : edges)
     for (const int point : {edge.from, edge.to})
-      if (!edge.corner) shared.join(place(edge.left, point), place(edge.right, point));
+      if (!edge.corner && edge.bend != Bend::chine)
+        shared.join(place(edge.left, point), place(edge.right, point));
   Eigen::Matrix3Xi corner(3, mesh.faces.cols());
   int count = 0;
   for (int i = 0; i < static_cast<int>(corner.size()); ++i) {
@@ -191,29 +205,28 @@ SurfacePatches find_patches(const InterfaceMesh& mesh, const Knuckles& knuckles)
   const std::vector<Vector3> area = areas_of(mesh);
   const std::size_t triangles = area.size();
   measure_turns(mesh, area, edges);
-  Sets smooth = mark_corners(edges, area, knuckles);
+  find_bends(edges, area, knuckles);
 
   SurfacePatches patches;
-  patches.of_triangle.resize(triangles);
-  std::map<int, int> number;
-  for (std::size_t t = 0; t < triangles; ++t) {
-    const auto [found, is_new] = number.emplace(smooth.root(static_cast<int>(t)), patches.count());
-    if (is_new) patches.area.push_back(0);
-    patches.of_triangle[t] = found->second;
-    patches.area[static_cast<std::size_t>(found->second)] += area[t].norm();
-  }
+  patches.of_triangle = numbered_sets(edges, triangles, [](const Edge& edge) { return !edge.corner; });
+  patches.part_of_triangle = numbered_sets(
+      edges, triangles, [](const Edge& edge) { return !edge.corner && edge.bend != Bend::chine; });
+  patches.area.assign(1 + static_cast<std::size_t>(std::ranges::max(patches.of_triangle)), 0);
+  for (std::size_t t = 0; t < triangles; ++t)
+    patches.area[static_cast<std::size_t>(patches.of_triangle[t])] += area[t].norm();
   for (Edge& edge : edges) {
-    if (!edge.corner) continue;
+    if (!edge.corner && edge.bend != Bend::chine) continue;
     const int left = patches.of_triangle[static_cast<std::size_t>(edge.left)],
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
     // A convex edge that fades out in a smooth surface has two sides as far as its turn is a corner's.
     const double angle = std::numbers::pi - edge.turn;
-    edge.corner = left != right || edge.turn > 0;
-    if (!edge.corner) continue;
+    edge.corner = edge.corner && (left != right || edge.turn > 0);
+    if (!edge.corner && edge.bend != Bend::chine) continue;
     const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
     const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));
-    patches.border.push_back({left, edge.left, edge.from, edge.to, right, edge.right, angle, sharp});
-    patches.border.push_back({right, edge.right, edge.to, edge.from, left, edge.left, angle, sharp});
+    auto& sides = edge.corner ? patches.border : patches.chine;
+    sides.push_back({left, edge.left, edge.from, edge.to, right, edge.right, angle, sharp});
+    sides.push_back({right, edge.right, edge.to, edge.from, left, edge.left, angle, sharp});
   }
   find_plane_patches(area, patches);
   patches.corner = corners_between(mesh, edges);

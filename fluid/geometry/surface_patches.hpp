@@ -26,13 +26,16 @@ struct SurfacePatches {
     bool is_first() const { return patch < other || (patch == other && from < to); }
     /// Whether the faces beside it meet in the plane that halves the angle (F85).
     bool is_halved() const { return !sharp && angle < std::numbers::pi; }
-    /// Whether this is a chine that ends in the smooth surface: blunter than a right angle, with one patch.
-    bool is_fading_chine() const { return patch == other && angle >= right_angle; }
+    /// Whether this is a chine with one patch on both sides, blunter than a right angle: `Bend::chine`, or
+    /// one that ends in the smooth surface.
+    bool is_within_patch() const { return patch == other && angle >= right_angle; }
   };
   std::vector<int> of_triangle;
+  std::vector<int> part_of_triangle;  // of patches: chines divide them too; numbered from 0
   Eigen::Matrix3Xi corner;  // of the triangles: those at one point have one corner where no edge divides them
   std::vector<double> area;  // [m²] of each patch
   std::vector<Border> border;
+  std::vector<Border> chine;                        // both sides of each edge that is a chine (`Bend::chine`)
   std::vector<std::uint8_t> curved;                 // of each patch: whether it lies in no plane
   std::vector<std::uint8_t> between_sharp_corners;  // whether it is plane, with sharp edges alone
   int count() const { return static_cast<int>(area.size()); }

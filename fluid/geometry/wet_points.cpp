@@ -33,28 +33,35 @@ Vector3 normal_of(const InterfaceMesh& mesh, int t) {
   return (corner(mesh, t, 1) - corner(mesh, t, 0)).cross(corner(mesh, t, 2) - corner(mesh, t, 0));
 }
 
-/// Axes of a plane patch that is a rectangle.
+double area_of(const InterfaceMesh& mesh, const std::vector<int>& triangles) {
+  double area = 0;
+  for (const int t : triangles) area += 0.5 * normal_of(mesh, t).norm();
+  return area;
+}
+
+/// Axes of a plane part of a patch that is a rectangle.
 struct Rectangle {
   Vector3 origin, along, across;
   double length = 0, width = 0;
   Vector2 place(const Vector3& x) const { return {along.dot(x - origin), across.dot(x - origin)}; }
 };
 
-std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePatches& patches, int patch,
+std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePatches& patches, int part,
                                       const std::vector<int>& triangles) {
   const Vector3 normal = normal_of(mesh, triangles.front()).normalized();
   for (const int t : triangles)
     if ((normal_of(mesh, t).normalized() - normal).norm() > 1e-6) return {};
   Rectangle box;
   double longest = 0;
-  for (const auto& edge : patches.border) {
-    if (edge.patch != patch) continue;
-    const Vector3 t = mesh.position.col(edge.to) - mesh.position.col(edge.from);
-    if (t.norm() <= longest) continue;
-    longest = t.norm();
-    box.along = t / longest;
-    box.origin = mesh.position.col(edge.from);
-  }
+  for (const auto* sides : {&patches.border, &patches.chine})
+    for (const auto& edge : *sides) {
+      if (patches.part_of_triangle[static_cast<std::size_t>(edge.triangle)] != part) continue;
+      const Vector3 t = mesh.position.col(edge.to) - mesh.position.col(edge.from);
+      if (t.norm() <= longest) continue;
+      longest = t.norm();
+      box.along = t / longest;
+      box.origin = mesh.position.col(edge.from);
+    }
   if (longest == 0) return {};
   box.across = normal.cross(box.along);
   Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -67,7 +74,7 @@ std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePa
   box.origin += low.x() * box.along + low.y() * box.across;
   box.length = high.x() - low.x();
   box.width = high.y() - low.y();
-  const double area = patches.area[static_cast<std::size_t>(patch)];
+  const double area = area_of(mesh, triangles);
   if (std::abs(box.length * box.width - area) > round_off * area) return {};
   return box;
 }
@@ -80,15 +87,19 @@ class Spreading {
   }
 
   WetPoints run() {
-    std::vector<std::vector<int>> triangles(patches_.area.size());
-    for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t)
-      triangles[static_cast<std::size_t>(patches_.of_triangle[static_cast<std::size_t>(t)])].push_back(t);
-    for (int p = 0; p < patches_.count(); ++p) {
-      const auto& own = triangles[static_cast<std::size_t>(p)];
-      if (const auto box = rectangle_of(mesh_, patches_, p, own))
-        divide(*box, p, own);
+    std::vector<std::vector<int>> triangles;
+    for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
+      const auto part = static_cast<std::size_t>(patches_.part_of_triangle[static_cast<std::size_t>(t)]);
+      triangles.resize(std::max(triangles.size(), part + 1));
+      triangles[part].push_back(t);
+    }
+    for (int part = 0; part < static_cast<int>(triangles.size()); ++part) {
+      const auto& own = triangles[static_cast<std::size_t>(part)];
+      const int patch = patches_.of_triangle[static_cast<std::size_t>(own.front())];
+      if (const auto box = rectangle_of(mesh_, patches_, part, own))
+        divide(*box, patch, own);
       else
-        settle(p, own);
+        settle(patch, part, own);
     }
     return std::move(points_);
   }
@@ -129,8 +140,8 @@ class Spreading {
     keep(part);
   }
 
-  /// Samples of the patch, each with its triangle, its area and its unit normal. to_side: across the plane
-  /// that halves a chine near by that ends in the patch, to the side of the sample; else zero.
+  /// Samples of a part, each with its triangle, its area and its unit normal. to_side: across the plane that
+  /// halves a chine near by that ends in the part, to the side of the sample; else zero.
   struct Sample {
     Vector3 place;
     int triangle;
@@ -144,11 +155,17 @@ class Spreading {
   static bool on_one_side(const Sample& sample, const Place& place) {
     return sample.normal.dot(place.normal) > 0 && sample.to_side.dot(place.normal) >= 0;
   }
-  /// Finds `to_side` of the samples within a spacing and a half of the patch's chines.
-  void find_sides(int patch, std::vector<Sample>& samples) const {
+  /// Finds `to_side` of the samples within a spacing and a half of chines with the part on both sides.
+  void find_sides(int part, std::vector<Sample>& samples) const {
+    const auto is_of_part = [&](int t) {
+      return patches_.part_of_triangle[static_cast<std::size_t>(t)] == part;
+    };
     std::vector<const SurfacePatches::Border*> chines;
-    for (const auto& border : patches_.border)
-      if (border.patch == patch && border.is_fading_chine() && border.is_first()) chines.push_back(&border);
+    for (const auto* sides : {&patches_.border, &patches_.chine})
+      for (const auto& border : *sides)
+        if (is_of_part(border.triangle) && is_of_part(border.other_triangle) && border.is_within_patch() &&
+            border.is_first())
+          chines.push_back(&border);
     if (chines.empty()) return;
     Eigen::Matrix3Xi ends(3, static_cast<Eigen::Index>(chines.size()));
     for (std::size_t e = 0; e < chines.size(); ++e)
@@ -188,10 +205,10 @@ class Spreading {
     return samples;
   }
 
-  void settle(int patch, const std::vector<int>& triangles) {
+  void settle(int patch, int own_part, const std::vector<int>& triangles) {
     std::vector<Sample> samples = samples_of(triangles);
-    find_sides(patch, samples);
-    const double area = patches_.area[static_cast<std::size_t>(patch)];
+    find_sides(own_part, samples);
+    const double area = area_of(mesh_, triangles);
     const int count = std::max(1, static_cast<int>(std::lround(area / (spacing_ * spacing_))));
     std::vector<Place> place;
     double passed = 0;
@@ -272,14 +289,14 @@ class Spreading {
     }
   }
 
-  /// Adds the nearest place of the patch. Where a body is thin another face, or the other side of this one,
+  /// Adds the nearest place of the part. Where a body is thin another face, or the other side of this one,
   /// may be nearer.
   void add(const Place& place, int patch, const std::vector<int>& triangles) {
     const auto foot = grid_.nearest(place.middle);
     const auto faces_alike = [&](int t) { return normal_of(mesh_, t).dot(place.normal) > 0; };
     WetPoints::Point point{foot.triangle, foot.weight, patch};
-    if (patches_.of_triangle[static_cast<std::size_t>(foot.triangle)] != patch ||
-        !faces_alike(foot.triangle)) {
+    const auto part_of = [&](int t) { return patches_.part_of_triangle[static_cast<std::size_t>(t)]; };
+    if (part_of(foot.triangle) != part_of(triangles.front()) || !faces_alike(foot.triangle)) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const int t : triangles) {
         Eigen::Matrix3d corners;

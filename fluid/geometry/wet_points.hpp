@@ -21,12 +21,13 @@ struct WetPoints {
     int point = 0, triangle = 0;
     double part = 0;
   };
-  std::vector<Point> point;  // patch after patch
+  std::vector<Point> point;  // part after part
   std::vector<Share> share;  // by points
 };
 
-/// Distributes wet points over each patch. A plane rectangle is divided evenly. On other patches each place
-/// is the middle of the area that is nearest to it (a centroidal Voronoi tessellation).
+/// Distributes wet points over each part of a patch between its chines. A plane rectangle is divided evenly.
+/// On other parts each place is the middle of the area that is nearest to it (a centroidal Voronoi
+/// tessellation).
 WetPoints wet_points(const InterfaceMesh&, const SurfacePatches&, double spacing);
 
 }  // namespace strake::fluid

@@ -44,8 +44,10 @@ void LeastSquaresScheme<dim>::find_pressure_gradient(const Boundary<dim>& bounda
     FaceSums faces;
     for (std::size_t e = inner; e < columns.size(); ++e) {
       const std::int64_t j = columns[e];
-      if (!walls_.wet(j) || !is_over(boundary, state, i, j)) continue;
-      const double weight = walls_.weight(j, gradient_.radius, inverses[e]),
+      if (!walls_.wet(j)) continue;
+      const double share_of_face = share_of(boundary, state, i, j);
+      if (!(share_of_face > 0)) continue;
+      const double weight = share_of_face * walls_.weight(j, gradient_.radius, inverses[e]),
                    w = weight * inverses[e] * inverses[e];
       const Vector<dim> projected = walls_.projection(j, periodic.separation(x, state.position.col(j)));
       faces.q_moment += w * wall_pressure_increment(boundary, state, i, j, projected, slope) * projected;

@@ -201,10 +201,11 @@ void LeastSquaresScheme<dim>::add_layers(const Boundary<dim>& boundary, const St
     const double weight = walls_.weight(j, gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
     sums.concentration += weight * r;
     sums.stiffness += walls_.weight(j, 2 * gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
-    if (!is_over(boundary, state, i, j)) continue;
+    const double share = share_of(boundary, state, i, j);
+    if (!(share > 0)) continue;
     const Vector<dim> projected = walls_.projection(j, r);
-    sums.a.noalias() += weight * projected * projected.transpose();
-    if (j >= boundary.first_of_bodies()) sums.bodies += weight * projected.squaredNorm();
+    sums.a.noalias() += share * weight * projected * projected.transpose();
+    if (j >= boundary.first_of_bodies()) sums.bodies += share * weight * projected.squaredNorm();
     sums.beside_wall = true;
   }
 }
@@ -228,7 +229,7 @@ void LeastSquaresScheme<dim>::leave_out_past_faces(const Boundary<dim>& boundary
   for (std::size_t e = water_pairs(columns, water); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
     if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
-    double past = is_over(boundary, state, i, j) ? 0.0 : 1.0;
+    double past = 1 - share_of(boundary, state, i, j);
     if (!boundary.volume() && (dim == 2 || past < 1))
       past = std::max(past, 1 - boundary.inside_free_end(boundary.point_of(j), x) / p_.spacing);
     if (!(past > 0)) continue;

@@ -266,12 +266,13 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   }
 
   // Walls and bodies.
-  /// Returns how far inside the end of a layer particle's face particle i lies, along the face [l0]. It is
-  /// infinite for a face without an end.
+  /// Returns how far inside the end of a layer particle's face particle i lies [l0]; infinity without an end.
   double inside_end(const Boundary<dim>&, const State<dim>&, std::int64_t i,
                     std::int64_t layer_particle) const;
   /// Whether particle i lies over the face of a layer particle: not past the face's end.
   bool is_over(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
+  /// Returns the share with which that face counts for it (F92): 0 past its end, less than 1 beside a chine.
+  double share_of(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t layer_particle) const;
   /// w |P r| of particle i and layer particle j [m], of that pair of far.
   double face_weight(const Boundary<dim>& boundary, const State<dim>& state, const Neighbours& far,
                      std::int64_t i, std::int64_t j, std::int64_t pair) const {
@@ -292,8 +293,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return state.face_lag[i] * walls_.normal(j);
   }
   void average_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
-  /// Returns the part to which particle i's own velocity counts at the face of layer particle j (F87), 1.
-  /// from_layer: from j to i [m]; height: of i over the face [m].
+  /// Returns the part of particle i's own velocity at j's face (F87). from_layer: j to i; height over it [m].
   double own_part(const Boundary<dim>&, std::int64_t i, std::int64_t j, const Vector<dim>& from_layer,
                   double height) const;
   /// Returns u* − U at the face of layer particle j for particle i [m/s]. Past a face's end it is the mean

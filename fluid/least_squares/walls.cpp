@@ -30,6 +30,19 @@ bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>& boundary, const State
          boundary.is_over(boundary.point_of(row), state.position.col(i));
 }
 
+/// Beside a chine the two faces share the water,
+///   s = clamp(1/2 + e/l0, 0, 1) ,                                                          (F92)
+/// e its distance inside the plane that halves the chine, along the face. The shares of equal distances from
+/// both faces sum to 1.
+template <int dim>
+double LeastSquaresScheme<dim>::share_of(const Boundary<dim>& boundary, const State<dim>& state,
+                                         std::int64_t i, std::int64_t row) const {
+  if (!is_over(boundary, state, i, row)) return 0;
+  if (row < boundary.first_of_bodies() || boundary.volume()) return 1;
+  const double inside = boundary.inside_chine(boundary.point_of(row), state.position.col(i));
+  return std::clamp(0.5 + inside / p_.spacing, 0.0, 1.0);
+}
+
 template <int dim>
 double LeastSquaresScheme<dim>::inside_end(const Boundary<dim>& boundary, const State<dim>& state,
                                            std::int64_t i, std::int64_t row) const {
@@ -228,8 +241,10 @@ Vector<dim> LeastSquaresScheme<dim>::residual_wall_velocity(const Boundary<dim>&
   Vector<dim> left = Vector<dim>::Zero();
   for (std::size_t e = water_pairs(columns, boundary.water()); e < columns.size(); ++e) {
     const std::int64_t j = columns[e];
-    if (!walls_.wet(j) || !is_over(boundary, state, i, j)) continue;
-    const double w = walls_.weight(j, gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
+    if (!walls_.wet(j)) continue;
+    const double share = share_of(boundary, state, i, j);
+    if (!(share > 0)) continue;
+    const double w = share * walls_.weight(j, gradient_.radius, inverses[e]) * inverses[e] * inverses[e];
     const Vector<dim> projected = walls_.projection(
         j, boundary.tank().periodic().separation(state.position.col(i), state.position.col(j)));
     seen.noalias() += w * projected * projected.transpose();
@@ -283,6 +298,8 @@ LayerForces<dim> LeastSquaresScheme<dim>::layer_forces(const Boundary<dim>& boun
                                                       std::int64_t) const;                                   \
   template bool LeastSquaresScheme<dim>::is_over(const Boundary<dim>&, const State<dim>&, std::int64_t,      \
                                                  std::int64_t) const;                                        \
+  template double LeastSquaresScheme<dim>::share_of(const Boundary<dim>&, const State<dim>&, std::int64_t,   \
+                                                    std::int64_t) const;                                     \
   template Vector<dim> LeastSquaresScheme<dim>::relative_wall_velocity(                                      \
       const Boundary<dim>&, const State<dim>&, std::int64_t, std::int64_t) const;                            \
   template void LeastSquaresScheme<dim>::cover_layers(const Boundary<dim>&, const State<dim>&,               \

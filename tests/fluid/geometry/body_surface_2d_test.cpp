@@ -110,6 +110,71 @@ TEST(BodySurface2d, AKnuckleDividesStretchesAndStaysInItsPlace) {
     EXPECT_NEAR((outline.vertex(bottom.vertex + bottom.stretch[c]) - bow()[c]).norm(), 0, 1e-12);
 }
 
+/// A flat bottom 0.3 m wide with sides of 60 degrees, or a V with upright sides, heeled by that angle.
+Places heeled(Places corner, double degrees) {
+  const Eigen::Rotation2Dd turn(degrees / 180 * std::numbers::pi);
+  for (auto& x : corner) x = turn * x;
+  return corner;
+}
+const Places flared = {{0.15, 0}, {0.2193, 0.12}, {-0.2193, 0.12}, {-0.15, 0}};
+const Places vee = {{0, 0}, {0.15, 0.0546}, {0.15, 0.1746}, {-0.15, 0.1746}, {-0.15, 0.0546}};
+
+TEST(BodySurface2d, AFlatBottomIsOneFaceWithTheFlaredSidesBesideIt) {
+  for (const double heel : {0.0, 4.0, -10.0}) {
+    const Places corner = heeled(flared, heel);
+    const BodySurface2d outline(polygon(corner), l0);
+    ASSERT_EQ(outline.edges().size(), 2u) << heel;  // the deck is the other
+    const Eigen::Vector2d inwards = (corner[3] - corner[0]).normalized(),
+                          upwards = (corner[1] - corner[0]).normalized();
+    int of_bottom = 0;
+    for (int k = 0; k < outline.points(); ++k) {
+      const Eigen::Vector2d from = outline.point(k) - corner[0];
+      if (from.norm() > 4 * l0) continue;
+      const bool is_bottom = from.dot(inwards) > from.dot(upwards);
+      const Eigen::Vector2d mine = is_bottom ? inwards : upwards, theirs = is_bottom ? upwards : inwards;
+      of_bottom += is_bottom ? 1 : 0;
+      // On the plane that halves the chine, one and a half spacings along either face.
+      EXPECT_NEAR(outline.inside_chine(k, corner[0] - l0 * (mine + theirs)), 0, 1e-12);
+      EXPECT_NEAR(outline.inside_chine(k, corner[0] + 1.5 * l0 * mine), 1.5 * l0, 1e-12);
+      EXPECT_NEAR(outline.inside_chine(k, corner[0] + 1.5 * l0 * theirs), -1.5 * l0, 1e-12);
+    }
+    EXPECT_EQ(of_bottom, 4);
+  }
+}
+
+TEST(BodySurface2d, ChinesTurnWithTheBody) {
+  BodySurface2d outline(polygon(flared), l0);
+  const Eigen::Rotation2Dd turn(0.7);
+  BodySurface2d::Vectors2 displacement(2, outline.points());
+  for (int k = 0; k < outline.points(); ++k)
+    displacement.col(k) = turn * outline.reference(k).head<2>() - outline.reference(k).head<2>();
+  outline.move(displacement, BodySurface2d::Vectors2::Zero(2, outline.points()));
+  const Eigen::Vector2d under = turn * (flared[0] - Eigen::Vector2d(0.5 * l0, 0));
+  int near = 0;
+  for (int k = 0; k < outline.points(); ++k) {
+    const double inside = outline.inside_chine(k, under);
+    if (std::isinf(inside)) continue;
+    EXPECT_NEAR(std::abs(inside), 0.5 * l0, 1e-12);
+    ++near;
+  }
+  EXPECT_GT(near, 30);  // the bottom and one side
+}
+
+// Where a V heels water crosses its keel. As a corner it would end both faces there.
+TEST(BodySurface2d, AKeelThatLeansByMoreThanTwoDegreesIsAKnuckle) {
+  for (const double heel : {0.0, 1.5})
+    EXPECT_EQ(BodySurface2d(polygon(heeled(vee, heel)), l0).edges().size(), 5u) << heel;
+  for (const double heel : {2.5, -12.0, 8.0})
+    EXPECT_EQ(BodySurface2d(polygon(heeled(vee, heel)), l0).edges().size(), 4u) << heel;
+}
+
+TEST(BodySurface2d, AConcaveTurnOfTwoFacesThatLookDownIsACorner) {
+  const Places gull = {{-0.1, 0}, {0, 0.06}, {0.1, 0}, {0.2, 0.2}, {-0.2, 0.2}};
+  const BodySurface2d outline(polygon(gull), l0);
+  for (int k = 0; k < outline.points(); ++k)
+    EXPECT_GT(outline.inside_chine(k, gull[1] - Eigen::Vector2d(0, l0)), 4 * l0);
+}
+
 TEST(BodySurface2d, PointsOnTheStraightFacesOfAPolygonMakeNoCorners) {
   for (const double apart : {0.02, 0.01, 0.004, 0.001}) {
     const BodySurface2d outline(polygon(round_bottom(), apart), l0);
