@@ -266,9 +266,10 @@ std::vector<double> Session::values(const WindowReport& report) const {
 
 RunPlan Session::plan() const {
   LoopState start;
-  for (const Participant* side :
-       {static_cast<const Participant*>(fluid_), static_cast<const Participant*>(structure_)})
-    if (side != nullptr) start.limit = std::min(start.limit, side->description().dt_limit);
+  std::vector<const Participant*> all = {fluid_, structure_};
+  for (const Attachment& one : attachments_->all()) all.push_back(one.solver);
+  for (const Participant* one : all)
+    if (one != nullptr) start.limit = std::min(start.limit, one->description().dt_limit);
   return {.end = case_.common.end_time,
           .window = window_of(case_),
           .output_every = case_.common.output_every,

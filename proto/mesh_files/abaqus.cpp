@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 
@@ -93,6 +94,10 @@ class AbaqusReader {
     section_ = upper(keyword_[0]);
     set_ = section_ == "*NSET" ? option(keyword_, "NSET") : option(keyword_, "ELSET");
     pending_.clear();
+    const std::string system = upper(option(keyword_, "SYSTEM"));
+    if (section_ == "*SYSTEM" || (section_ == "*NODE" && !system.empty() && system != "R"))
+      throw wrong("coordinates of a system of their own, Cartesian ones of the whole are read",
+                  "export the mesh with global Cartesian coordinates");
     if (section_ != "*ELEMENT") return;
     const std::string type = upper(option(keyword_, "TYPE"));
     shape_ = shape_of(type);
@@ -105,15 +110,35 @@ class AbaqusReader {
 
   void read_data(const std::vector<std::string>& words) {
     if (section_ == "*NODE") {
-      if (words.size() < 3) throw wrong("expected NUMBER, X, Y[, Z]");
-      mesh_.node[number_of<long>(words[0])] = {number_of<double>(words[1]), number_of<double>(words[2]),
-                                               words.size() > 3 ? number_of<double>(words[3]) : 0.0};
+      read_node(words);
+    } else if (section_ == "*INSTANCE") {
+      refuse_moved(words);
     } else if (section_ == "*ELEMENT") {
       read_element(words);
     } else if (section_ == "*NSET" || section_ == "*ELSET") {
       read_set(words);
     }
   }
+
+  /// Parts that count their nodes from 1 each would share them.
+  void read_node(const std::vector<std::string>& words) {
+    if (words.size() < 3) throw wrong("expected NUMBER, X, Y[, Z]");
+    const long number = number_of<long>(words[0]);
+    const std::array<double, 3> place = {number_of<double>(words[1]), number_of<double>(words[2]),
+                                         words.size() > 3 ? number_of<double>(words[3]) : 0.0};
+    const auto [found, fresh] = mesh_.node.emplace(number, place);
+    if (!fresh && found->second != place)
+      throw wrong(fmt::format("node {} is there twice, at two places", number), flat_file);
+  }
+
+  /// The data of *INSTANCE move and turn a part; its nodes would be read where the part has them.
+  void refuse_moved(const std::vector<std::string>& words) const {
+    for (const std::string& word : words)
+      if (number_of<double>(word) != 0) throw wrong("an instance that is moved or turned", flat_file);
+  }
+  static constexpr const char* flat_file =
+      "export one part in its place, without parts and assemblies (Abaqus/CAE: Model, Edit Attributes, Do "
+      "not use parts and assemblies in input files)";
 
   void read_element(const std::vector<std::string>& words) {
     pending_.insert(pending_.end(), words.begin(), words.end());

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -95,7 +96,9 @@ Names read_names(Lines& lines) {
   return names;
 }
 
-std::string name_of(const Names& names, int dimension, int tag) {
+/// Gmsh gives a tag the sign of the entity's orientation in the group: Physical Curve("clamp") = {-4}.
+std::string name_of(const Names& names, int dimension, int signed_tag) {
+  const int tag = std::abs(signed_tag);
   const auto found = names.find({dimension, tag});
   return found != names.end() ? found->second : tag == 0 ? "" : std::to_string(tag);
 }
@@ -134,22 +137,26 @@ void read_elements_2(Lines& lines, const Names& names, MeshText& mesh) {
   }
 }
 
-/// Format 4: physical tag of each entity (dimension, number).
-std::map<std::pair<int, int>, int> read_entities(Lines& lines) {
-  std::map<std::pair<int, int>, int> physical;
+/// Format 4: physical tags of each entity (dimension, number).
+using Entities = std::map<std::pair<int, int>, std::vector<int>>;
+
+Entities read_entities(Lines& lines) {
+  Entities physical;
   std::array<long, 4> count{};
   auto words = lines.words("the numbers of entities");
   take(lines, words, "four numbers of entities", count[0], count[1], count[2], count[3]);
   for (int dimension = 0; dimension < 4; ++dimension)
     for (long i = 0; i < count[static_cast<std::size_t>(dimension)]; ++i) {
-      int tag = 0, groups = 0, group = 0;
+      int tag = 0, groups = 0;
       double coordinate = 0;
       auto entry = lines.words("an entity");
       take(lines, entry, "an entity's tag", tag);
       for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) take(lines, entry, "an entity's bounds", coordinate);
       take(lines, entry, "an entity's number of physical groups", groups);
-      if (groups > 0) take(lines, entry, "an entity's physical group", group);
-      physical[{dimension, tag}] = group;
+      for (int g = 0, group = 0; g < groups; ++g) {
+        take(lines, entry, "an entity's physical group", group);
+        physical[{dimension, tag}].push_back(group);
+      }
     }
   return physical;
 }
@@ -176,24 +183,37 @@ void read_nodes_4(Lines& lines, MeshText& mesh) {
   }
 }
 
-void read_elements_4(Lines& lines, const Names& names, const std::map<std::pair<int, int>, int>& physical,
-                     MeshText& mesh) {
+/// A side of cells belongs to all its groups, as in format 2, which writes it once for each; a cell to the
+/// first one.
+void read_elements_4(Lines& lines, const Names& names, const Entities& entities, MeshText& mesh) {
   const long blocks = count(lines, "the number of blocks of elements");
+  std::vector<std::pair<int, MeshText::Element>> again;  // with their dimension
+  int highest = 0;
   for (long b = 0; b < blocks; ++b) {
     int dimension = 0, entity = 0, type = 0;
     long count = 0;
     auto head = lines.words("a block of elements");
     take(lines, head, "DIMENSION ENTITY TYPE COUNT", dimension, entity, type, count);
     const Kind kind = kind_of(lines, type);
-    const auto group = physical.find({dimension, entity});
-    const std::string name = group == physical.end() ? "" : name_of(names, dimension, group->second);
+    highest = std::max(highest, dimension);
+    const auto found = entities.find({dimension, entity});
+    std::vector<std::string> groups;
+    if (found != entities.end())
+      for (const int tag : found->second) groups.push_back(name_of(names, dimension, tag));
+    if (groups.empty()) groups.emplace_back();
     for (long i = 0; i < count; ++i) {
       long number = 0;
       auto entry = lines.words("an element");
       take(lines, entry, "an element's number", number);
-      add_element(lines, entry, kind, number, name, mesh);
+      add_element(lines, entry, kind, number, groups.front(), mesh);
+      for (std::size_t g = 1; g < groups.size(); ++g) {
+        again.emplace_back(dimension, mesh.element.back());
+        again.back().second.group = groups[g];
+      }
     }
   }
+  for (auto& [dimension, element] : again)
+    if (dimension < highest) mesh.element.push_back(std::move(element));
 }
 
 /// The lines of a section that holds one text or number each: their number, then they.
@@ -228,7 +248,7 @@ void read_node_data(Lines& lines, MeshText& mesh) {
 MeshText read_gmsh(Lines& lines) {
   MeshText mesh;
   Names names;
-  std::map<std::pair<int, int>, int> physical;
+  Entities physical;
   int format = 0;
   std::string line;
   while (lines.next(line)) {

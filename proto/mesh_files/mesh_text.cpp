@@ -5,7 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace strake {
 
@@ -39,17 +43,23 @@ bool is_face(const MeshText::Element& element, int dimension) {
   return element.kind == "triangle" || element.kind == "quadrilateral";
 }
 
+// A side in several groups stands there once for each.
 Eigen::MatrixXi faces_of(const std::vector<std::vector<int>>& walks, const Points& position, int dimension,
                          const std::string& file) {
   const auto distance = [&](int a, int b) { return (position.col(a) - position.col(b)).norm(); };
   std::vector<int> corners;
-  for (const std::vector<int>& p : walks)
+  std::set<std::vector<int>> known;
+  for (const std::vector<int>& p : walks) {
+    std::vector<int> points = p;
+    std::sort(points.begin(), points.end());
+    if (!known.insert(std::move(points)).second) continue;
     if (p.size() < 4)
       corners.insert(corners.end(), p.begin(), p.end());
     else if (distance(p[0], p[2]) <= distance(p[1], p[3]))
       corners.insert(corners.end(), {p[0], p[1], p[2], p[0], p[2], p[3]});
     else
       corners.insert(corners.end(), {p[0], p[1], p[3], p[1], p[2], p[3]});
+  }
   if (corners.empty())
     throw Error(ExitCode::case_file, file,
                 dimension == 2 ? "holds no lines" : "holds no triangles and no quadrilaterals",

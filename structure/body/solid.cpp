@@ -297,10 +297,17 @@ Eigen::Matrix4Xd half_spaces(const Solid& solid, int c) {
   return planes;
 }
 
+// Corners of a warped side stand beyond its mean plane; so do places on it, at most as far.
 int cell_at(const Solid& solid, const Vector3d& X, double slack) {
   for (int c = 0; c < solid.cell.cols(); ++c) {
     const Eigen::Matrix4Xd planes = half_spaces(solid, c);
-    if ((X.transpose() * planes.topRows<3>() - planes.row(3)).maxCoeff() <= slack) return c;
+    const auto beyond = [&](const Vector3d& x) -> Eigen::RowVectorXd {
+      return x.transpose() * planes.topRows<3>() - planes.row(3);
+    };
+    Eigen::RowVectorXd warp = Eigen::RowVectorXd::Zero(planes.cols());
+    for (Index k = 0; k < solid.cell.rows(); ++k)
+      warp = warp.cwiseMax(beyond(solid.node.col(solid.cell(k, c))));
+    if ((beyond(X) - warp).maxCoeff() <= slack) return c;
   }
   return -1;
 }

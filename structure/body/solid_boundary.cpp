@@ -4,6 +4,7 @@
 #include "structure/body/solid_surface.hpp"
 #include "structure/body/surface.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -162,11 +163,39 @@ InterfaceMesh outer_surface(const Solid& solid, double spacing) {
   return closed_surface(set.points, faces);
 }
 
+namespace {
+
+/// Height over the plane through its corners 0 and 2, along the unit normal, of the bilinear surface of a
+/// facet in space at a place X beside it:
+///   x = (1−s)(1−r) c_0 + s(1−r) c_1 + s r c_2 + (1−s) r c_3
+/// Corners 1 and 3 of a warped facet stand higher than 0 and 2, or lower: the normal is that of both
+/// diagonals. (s, r) follows by Newton's method from the projections along the normal.
+double height_of_facet(const Solid& solid, int facet, const Vector3d& normal, const Vector3d& X) {
+  const auto corner = [&](Index k) -> Vector3d { return solid.node.col(solid.facet(k, facet)); };
+  const Vector3d origin = corner(0), e1 = (corner(2) - origin).normalized(), e2 = normal.cross(e1);
+  const auto flat = [&](const Vector3d& x) { return Vector2d(e1.dot(x - origin), e2.dot(x - origin)); };
+  const Vector2d b = flat(corner(1)), c = flat(corner(2)), d = flat(corner(3)), wanted = flat(X);
+  double s = 0.5, r = 0.5;
+  constexpr int steps = 12;  // convergence is quadratic
+  for (int k = 0; k < steps; ++k) {
+    const Vector2d along_s = (1 - r) * b + r * (c - d), along_r = s * (c - b) + (1 - s) * d,
+                   missing = wanted - (s * (1 - r) * b + s * r * c + (1 - s) * r * d);
+    const double det = cross(along_s, along_r);
+    if (det == 0) break;
+    s += cross(missing, along_r) / det;
+    r += cross(along_s, missing) / det;
+  }
+  return normal.dot(corner(1) - origin) * (s * (1 - r) + (1 - s) * r);
+}
+
+}  // namespace
+
 bool on_facet(const Solid& solid, int facet, const Vector3d& X, double slack) {
   const auto corner = [&](Index k) -> Vector3d { return solid.node.col(solid.facet(k, facet)); };
   const Vector3d normal = facet_normal(solid, facet).normalized();
   const Index n = solid.facet.rows();
-  if (std::abs(normal.dot(X - corner(0))) > slack) return false;
+  const double height = normal.dot(X - corner(0)), warp = n == 2 ? 0 : normal.dot(corner(1) - corner(0));
+  if (std::abs(height) > slack + std::abs(warp)) return false;
   if (n == 2) {
     const Vector3d t = corner(1) - corner(0);
     const double s = t.dot(X - corner(0)) / t.norm();
@@ -176,7 +205,8 @@ bool on_facet(const Solid& solid, int facet, const Vector3d& X, double slack) {
     const Vector3d edge = corner((k + 1) % n) - corner(k);
     if (normal.cross(edge).dot(X - corner(k)) < -slack * edge.norm()) return false;
   }
-  return true;
+  if (std::abs(warp) <= slack) return std::abs(height) <= slack;
+  return std::abs(height - height_of_facet(solid, facet, normal, X)) <= slack;
 }
 
 Vector3d normal_of(const Solid& solid, const SupportedFace& face) {
@@ -185,31 +215,84 @@ Vector3d normal_of(const Solid& solid, const SupportedFace& face) {
   return sum.normalized();
 }
 
+// What holds a line at a face's middle holds it along an axis: the face's edges lie along axes too.
 Index axis_of(const Solid& solid, const SupportedFace& face) {
+  constexpr double straight = 1 - 1e-6;  // cosine of the angle to an axis
+  const bool line = face.support == Support::pinned || face.support == Support::roller;
   Index axis = 0;
-  if (normal_of(solid, face).cwiseAbs().maxCoeff(&axis) > 1 - 1e-6) return axis;
-  throw Error(
-      ExitCode::case_file, "structure, support \"" + face.name + "\"",
-      "a face that rolls or is one of symmetry must lie across x, y or z, for particles a pinned one too",
-      "clamped, or turn the body");
+  if (normal_of(solid, face).cwiseAbs().maxCoeff(&axis) > straight &&
+      (!line || shorter_direction(solid, face).cwiseAbs().maxCoeff() > straight))
+    return axis;
+  throw Error(ExitCode::case_file, "structure, support \"" + face.name + "\"",
+              "a face that rolls or is one of symmetry must lie across x, y or z, and the edges of one that "
+              "rolls along them; for particles those of a pinned one too",
+              "clamped, or turn the body");
 }
 
+namespace {
+
+/// Extents [m] of a face along a direction in it and the one across that, and whether these are the edges of
+/// a rectangle that the face fills.
+struct Extents {
+  Extents(const Solid& solid, const SupportedFace& face, const Vector3d& normal, const Vector3d& along)
+      : one(along), other(normal.cross(along)) {
+    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    double area = 0;
+    for (const int f : face.facet) {
+      area += facet_normal(solid, f).norm();
+      for (Index k = 0; k < solid.facet.rows(); ++k) {
+        const Vector3d X = solid.node.col(solid.facet(k, f));
+        const Vector3d reach(one.dot(X), other.dot(X), 0);
+        low = low.cwiseMin(reach);
+        high = high.cwiseMax(reach);
+      }
+    }
+    constexpr double round_off = 1e-6;
+    size = (high - low).head<2>();
+    rectangle = area >= (1 - round_off) * size.prod();
+  }
+  const Vector3d& shorter() const { return size.x() <= size.y() ? one : other; }
+  Vector3d one, other;
+  Vector2d size;
+  bool rectangle = false;
+};
+
+/// The direction in a face along which its second moment of area is smallest. Of a triangle with the corners
+/// x_i and the area A it is A/12 (Σ x_i x_iᵀ + Σ x_i Σ x_iᵀ).
+Vector3d slender_direction(const Solid& solid, const SupportedFace& face, const Vector3d& normal) {
+  const Vector3d middle = middle_of(solid, face);  // near the face, so that round-off stays small
+  double area = 0;
+  Vector3d first = Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (const int f : face.facet)
+    for (const Index k : {1, 2}) {
+      Eigen::Matrix3d x;
+      x << solid.node.col(solid.facet(0, f)) - middle, solid.node.col(solid.facet(k, f)) - middle,
+          solid.node.col(solid.facet(k + 1, f)) - middle;
+      const double A = 0.5 * (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).norm();
+      const Vector3d sum = x.rowwise().sum();
+      area += A;
+      first += A / 3 * sum;
+      second += A / 12 * (x * x.transpose() + sum * sum.transpose());
+    }
+  second -= first * first.transpose() / area;
+  second += second.trace() * normal * normal.transpose();  // out of the face: the largest
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvectors().col(0);
+}
+
+}  // namespace
+
+// The axes of the body, turned with it, or else the edges of a rectangle that lies askew to them.
 Vector3d shorter_direction(const Solid& solid, const SupportedFace& face) {
   const Vector3d normal = normal_of(solid, face);
   if (solid.dimension == 2) return Vector3d(-normal.y(), normal.x(), 0);
-  // Two directions within the face: the axis that is most nearly in it, and the one across that.
-  Index axis = 0;
-  normal.cwiseAbs().minCoeff(&axis);
-  const Vector3d one = (Vector3d::Unit(axis) - normal[axis] * normal).normalized(), other = normal.cross(one);
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const int f : face.facet)
-    for (Index k = 0; k < solid.facet.rows(); ++k) {
-      const Vector3d X = solid.node.col(solid.facet(k, f));
-      const Vector3d reach(one.dot(X), other.dot(X), 0);
-      low = low.cwiseMin(reach);
-      high = high.cwiseMax(reach);
-    }
-  return (high - low).x() <= (high - low).y() ? one : other;
+  Index axis = 0;  // that is most nearly in the face
+  (solid.turn.transpose() * normal).cwiseAbs().minCoeff(&axis);
+  const Vector3d own = solid.turn.col(axis);
+  const Extents by_axes(solid, face, normal, (own - normal.dot(own) * normal).normalized());
+  if (by_axes.rectangle) return by_axes.shorter();
+  const Extents askew(solid, face, normal, slender_direction(solid, face, normal));
+  return askew.rectangle ? askew.shorter() : by_axes.shorter();
 }
 
 Vector3d middle_of(const Solid& solid, const SupportedFace& face) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace strake::structure {
 namespace {
@@ -24,18 +25,32 @@ double size_of(const InterfaceMesh& mesh, Eigen::Index face) {
 }
 
 /// Calls `visit` with each face of the surface in one of the facets, and its size. A face lies in one facet
-/// with all its corners, or its middle does not.
+/// with all its corners, or its middle does not; over a warped facet the middle of a triangle stands off.
 template <class Visit>
 void for_each_face(const Solid& solid, const std::vector<int>& facets, const InterfaceMesh& mesh,
                    const Visit& visit) {
   const Eigen::Vector3d extent = solid.node.rowwise().maxCoeff() - solid.node.rowwise().minCoeff();
   const double near = 1e-9 * extent.maxCoeff();  // [m] round-off of the coordinates, far below any spacing
+  const Eigen::Index corners = mesh.faces.rows();
+  std::vector<int> warped;
+  for (const int facet : facets)
+    if (solid.dimension == 3) {
+      const Eigen::Vector3d edge =
+          solid.node.col(solid.facet(1, facet)) - solid.node.col(solid.facet(0, facet));
+      if (std::abs(facet_normal(solid, facet).normalized().dot(edge)) > near) warped.push_back(facet);
+    }
   for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (Eigen::Index k = 0; k < mesh.faces.rows(); ++k)
-      middle += mesh.position.col(mesh.faces(k, f)) / static_cast<double>(mesh.faces.rows());
+    for (Eigen::Index k = 0; k < corners; ++k)
+      middle += mesh.position.col(mesh.faces(k, f)) / static_cast<double>(corners);
+    const auto has_all = [&](int facet) {
+      for (Eigen::Index k = 0; k < corners; ++k)
+        if (!on_facet(solid, facet, mesh.position.col(mesh.faces(k, f)), near)) return false;
+      return true;
+    };
     if (std::any_of(facets.begin(), facets.end(),
-                    [&](int facet) { return on_facet(solid, facet, middle, near); }))
+                    [&](int facet) { return on_facet(solid, facet, middle, near); }) ||
+        std::any_of(warped.begin(), warped.end(), has_all))
       visit(f, size_of(mesh, f));
   }
 }

@@ -83,7 +83,8 @@ FemSolver<dim>::FemSolver(const Parameters& p, Communicator* ranks)
 
 // Sets the state at t = 0. The body moves with its supports, plus the case's initial velocity where supports
 // allow it; a node between parts gets the mean of its cells' values. Accelerations at t = 0, which rho_inf <
-// 1 needs, follow from the loads.
+// 1 needs, follow from the loads and the drag of that velocity:
+//   M a0 = F − C v0 − M 1 A
 template <int dim>
 void FemSolver<dim>::start() {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(mesh().n_unknowns());
@@ -107,14 +108,17 @@ void FemSolver<dim>::start() {
         support_motion_.supports().turning(state_.frame, mesh().place(i)).template head<dim>();
   if (failure_) state_.damage = failure_->intact();
   if (!scheme_.mid_point) {
-    const Eigen::VectorXd force = own_load(0);
+    const Damping& damping = parameters_.damping;
+    const Eigen::VectorXd force = own_load(0),
+                          drag = damping.mass * (matrices_.mass * state_.velocity) +
+                                 damping.stiffness * (matrices_.stiffness * state_.velocity);
     const auto frame_acceleration = [&](const Eigen::VectorXd& inertia) {
       return support_motion_.acceleration(scheme_, state_.frame, state_.frame, force, inertia,
                                           gravity_at(0).template head<dim>(), 1);
     };
     LinearSolver mass_factors = linear_solver();
     mass_factors.factorise(matrices_.mass, mesh().fixed);
-    Eigen::VectorXd r = force - support_motion_.inertia(frame_acceleration(zero));
+    Eigen::VectorXd r = force - drag - support_motion_.inertia(frame_acceleration(zero));
     clear_constrained(r);
     state_.acceleration = support_motion_.correction(mass_factors, 1)(mass_factors.solve(r));
     state_.frame.acceleration.template head<dim>() = frame_acceleration(matrices_.mass * state_.acceleration);

@@ -94,6 +94,14 @@ TEST_F(SurfaceFaces, OfACubeAreTwiceAsManyTrianglesThatEncloseIt) {
   EXPECT_NEAR(volume, 1, 1e-14);
 }
 
+// Gmsh writes a side once for each of its physical groups.
+TEST_F(SurfaceFaces, OfSidesInTwoGroupsCountOnce) {
+  std::vector<Element> twice = sides();
+  twice.push_back(twice[1]);
+  twice.push_back(twice[4]);
+  EXPECT_EQ(read(cube(), twice, mesh_of(cube(), 3)), read(cube(), sides(), mesh_of(cube(), 3)));
+}
+
 TEST_F(SurfaceFaces, OfAnOpenPieceTakeTheDirectionOfItsFirst) {
   const MatrixXi faces = read(square(), {{1, 2, 1}, {1, 2, 3}, {1, 4, 3}}, mesh_of(square(), 2));
   const MatrixXi expected = (MatrixXi(2, 3) << 1, 2, 3, 0, 1, 2).finished();  // 2→1, 3→2, 4→3

@@ -1,5 +1,6 @@
 #include "structure/body/solid.hpp"
 
+#include "proto/error.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/shape.hpp"
 #include "structure/body/surface.hpp"
@@ -193,6 +194,46 @@ TEST(Solid, TurnedBoxesKeepTheNamesOfTheirSides) {
   EXPECT_EQ(facets_named(solid, "skin.left"), skin);
   EXPECT_EQ(facets_named(solid, "bar.top"), bar);
   EXPECT_TRUE(facets_named(solid, "keel").empty());
+}
+
+// Places of the bilinear surface between the corners of a facet lie on it, also where it is warped.
+TEST(Solid, PlacesLieOnAWarpedFacetOrBesideIt) {
+  const Solid solid = warped_bar(0.01);
+  for (const SupportedFace& face : solid.supported)
+    for (const int f : face.facet) {
+      const auto corner = [&](Eigen::Index k) -> Vector3d { return solid.node.col(solid.facet(k, f)); };
+      const Vector3d normal = facet_normal(solid, f).normalized();
+      ASSERT_GT(std::abs(normal.dot(corner(1) - corner(0))), 1e-3) << "it is warped";
+      for (const double s : {0.0, 0.3, 1.0})
+        for (const double r : {0.0, 0.5, 0.9}) {
+          const Vector3d X = (1 - s) * (1 - r) * corner(0) + s * (1 - r) * corner(1) + s * r * corner(2) +
+                             (1 - s) * r * corner(3);
+          EXPECT_TRUE(on_facet(solid, f, X, 1e-12)) << face.name << " " << s << " " << r;
+          EXPECT_GE(cell_at(solid, X, 1e-12), 0);
+          for (const double off : {-1e-6, 1e-6}) EXPECT_FALSE(on_facet(solid, f, X + off * normal, 1e-9));
+        }
+      EXPECT_FALSE(on_facet(solid, f, 1.2 * corner(1) - 0.2 * corner(0), 1e-9)) << "beside its edge";
+    }
+}
+
+// The shorter direction of a face is along its own edge, however the body lies; a roller needs an axis.
+TEST(Solid, TheShorterDirectionOfAFaceIsThatOfItsEdge) {
+  SolidBox plate = soft_box("plate", {0, 0, 0}, {1, 0.05, 0.4});
+  plate.support[0] = Support::pinned;
+  const Solid level = solid_of_boxes(3, {plate});
+  EXPECT_NEAR(std::abs(shorter_direction(level, level.supported[0]).y()), 1, 1e-12);
+  EXPECT_EQ(axis_of(level, level.supported[0]), 0);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix();
+  for (const bool of_mesh : {false, true}) {  // a mesh file may hold the turned plate
+    Solid turned = level;
+    turned.node = turn * level.node;
+    if (of_mesh)
+      turned.plane = {};
+    else
+      turned.turn = turn;
+    EXPECT_NEAR(std::abs(shorter_direction(turned, turned.supported[0]).dot(turn.col(1))), 1, 1e-12);
+    EXPECT_THROW(axis_of(turned, turned.supported[0]), Error) << "what rolls needs axes";
+  }
 }
 
 }  // namespace

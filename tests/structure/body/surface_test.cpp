@@ -1,6 +1,7 @@
 #include "structure/body/surface.hpp"
 
 #include "structure/rigid/rigid.hpp"
+#include "tests/structure/body/boxes.hpp"
 #include "tests/structure/paper_plate.hpp"
 
 #include <gtest/gtest.h>
@@ -58,6 +59,21 @@ TEST(Surface, PointForceActsOnTheNearestPoint) {
   Eigen::Index loaded = -1;
   EXPECT_EQ(force.row(1).maxCoeff(&loaded), 3);
   EXPECT_LT((mesh.position.col(loaded) - Eigen::Vector3d(0.2, 0.02, 0)).norm(), 1e-12);
+}
+
+// A traction on the warped side of a body acts on all of it, and such a side may be all that the water loads.
+TEST(Surface, ATractionActsOnAWarpedSide) {
+  Parameters p;
+  p.dimension = 3;
+  p.kind = "rigid";
+  p.shape.kind = ShapeKind::solid;
+  p.solid = warped_bar(0.01);
+  const InterfaceMesh mesh = surface(p);
+  const Points force =
+      case_force({.kind = LoadKind::traction, .value = {0, -100, 0}, .face = "deck"}, p.solid, mesh);
+  EXPECT_NEAR(force.row(1).sum() / -20, 1, 0.01) << "0.2 m² and what the twist adds";
+  p.loaded_faces = {"deck"};
+  EXPECT_NEAR(loaded_faces(p, mesh).size, 0.2, 0.002);
 }
 
 TEST(Surface, RampRisesFromZeroToOneAndIsOneWithoutLength) {

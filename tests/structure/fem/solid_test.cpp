@@ -53,11 +53,13 @@ TEST(FemSolid, CellsOfAUnionConformAndKeepMassAndParts) {
 }
 
 // A body of boxes that is turned has the cells of the level one, and its frequencies; a turned end can be
-// pinned.
+// pinned, along the edge that it had.
 TEST(FemSolid, ATurnedBodyHasTheCellsAndTheFrequenciesOfTheLevelOne) {
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  for (const int dimension : {2, 3})
+  for (const auto& [dimension, axis] : {std::pair<int, Eigen::Vector3d>(2, Eigen::Vector3d::UnitZ()),
+                                        {3, Eigen::Vector3d::UnitZ()},
+                                        {3, Eigen::Vector3d::UnitX()}})
     for (const Support support : {Support::clamped, Support::pinned}) {
+      const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, axis).toRotationMatrix();
       SolidBox box = soft_box("strip", {0, 0, 0}, {1, 0.05, 0.2});
       box.support[0] = box.support[1] = support;
       const Parameters level = of(dimension, {box});
@@ -69,7 +71,7 @@ TEST(FemSolid, ATurnedBodyHasTheCellsAndTheFrequenciesOfTheLevelOne) {
       EXPECT_EQ(refined(turned.solid, 1).cell.cols(), refined(level.solid, 1).cell.cols());
       const auto expected = make_solver(level)->frequencies(3), found = make_solver(turned)->frequencies(3);
       for (std::size_t k = 0; k < 3; ++k)
-        EXPECT_NEAR(found[k] / expected[k], 1, 1e-6) << dimension << " " << k;
+        EXPECT_NEAR(found[k] / expected[k], 1, 1e-6) << dimension << " " << axis.x() << " " << k;
     }
 }
 
@@ -235,6 +237,30 @@ TEST(FemSolid, AFrameOfThreeDimensionsHasHexahedraWithPositiveVolume) {
     EXPECT_GT((at(1) - at(0)).cross(at(3) - at(0)).dot(at(4) - at(0)), 0);
     EXPECT_NEAR((at(2) - at(1) - at(3) + at(0)).norm(), 0, 1e-12) << "a parallelogram, walked around";
   }
+}
+
+// A clamp holds all nodes of a warped end, and a traction acts on all of a warped side.
+TEST(FemSolid, WarpedSidesAreHeldAndLoadedAsFlatOnesAre) {
+  for (const int degree : {1, 2}) {
+    const Discretisation<3> flat(warped_bar(0), degree, 0), warped(warped_bar(0.01), degree, 0);
+    EXPECT_EQ(flat.mesh().fixed.size(), degree == 1 ? 27U : 75U);
+    EXPECT_EQ(warped.mesh().fixed, flat.mesh().fixed);
+    const CaseLoad load = {.kind = LoadKind::traction, .value = {0, -100, 0}, .face = "deck"};
+    const auto sum = [&](const Discretisation<3>& d) {
+      return d.case_force(load).reshaped(3, d.mesh().n_nodes()).row(1).sum();
+    };
+    EXPECT_NEAR(sum(flat), -20, 1e-12);
+    EXPECT_NEAR(sum(warped) / -20, 1, 0.01) << "0.2 m² and what the twist adds";
+  }
+  Parameters p;
+  p.dimension = 3;
+  p.shape.kind = ShapeKind::solid;
+  p.surface_spacing = 0.1;
+  const auto first = [&](double warp) {
+    p.solid = warped_bar(warp);
+    return make_solver(p)->frequencies(1).front();
+  };
+  EXPECT_NEAR(first(1e-4) / first(0), 1, 1e-3);
 }
 
 }  // namespace

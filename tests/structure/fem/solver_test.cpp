@@ -97,6 +97,25 @@ TEST(FemSolver, DampingTakesWhatTheEnergyBalanceSays) {
   }
 }
 
+// A free plate that drag by mass alone slows down, v = exp(−a_M t), of second order in the step: its
+// acceleration at t = 0 is that of the drag.
+TEST(FemSolver, DampingOfAMovingBodyBeginsWithItsFirstStep) {
+  for (const double rho : {1.0, 0.8, 0.5}) {
+    Parameters p = plate(Support::free, Support::free, MaterialModel::linear);
+    p.damping.mass = 200;
+    p.initial.value = {0, 1, 0};
+    p.fem.rho_infinity = rho;
+    const auto error = [&](int steps) {
+      FemSolver<2> solver(p);
+      const double dt = 0.01 / steps;
+      for (int i = 0; i < steps; ++i) solver.advance(i * dt, dt, Load());
+      return std::abs(solver.velocity_at({0, 0, 0}).y() - std::exp(-2.0));
+    };
+    EXPECT_LT(error(40), 1e-4) << rho;
+    EXPECT_GT(error(20), 3.5 * error(40)) << rho;
+  }
+}
+
 TEST(FemSolver, RestoreThenAdvanceGivesTheSameBits) {
   for (const double rho : {1.0, 0.8}) {
     Parameters p = plate(Support::clamped, Support::clamped, MaterialModel::saint_venant_kirchhoff);

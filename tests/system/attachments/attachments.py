@@ -23,6 +23,7 @@ WINCH = """#!/usr/bin/python3 -B
 import numpy as np, strake, sys, time
 class Winch(strake.Participant):
     can_resume = {resume}
+    dt_limit = {limit}
     def build(self, key):
         self.k = key["stiffness"]
         self.state = np.zeros(1)
@@ -36,8 +37,8 @@ Winch.main()
 """
 
 
-def winch(place, fault="pass", resume=True):
-    (place / "winch.py").write_text(WINCH.format(fault=fault, resume=resume))
+def winch(place, fault="pass", resume=True, limit="np.inf"):
+    (place / "winch.py").write_text(WINCH.format(fault=fault, resume=resume, limit=limit))
     (place / "winch.py").chmod(0o755)
 
 
@@ -56,6 +57,14 @@ with folder() as name:
     expect(max(abs(a + 1e8 * y) for a, y in zip(attached["winch.pull [N/m]"], attached["floor.y [m]"])) < 2, "it reports its pull")
     expect(strake("report", runs / "floor", "-o", place / "floor.html", cwd=place).returncode == 0, "a report is made")
     expect(strake("picture", runs / "floor", "-o", place / "floor.svg", cwd=place).returncode == 0, "a picture is drawn")
+
+    # The longest window that it announces counts from the first one on.
+    winch(place, limit="1e-4")
+    run_case(place, "floor.toml", "--tag", "short", "--set", "end_time=1e-3")
+    ends = columns(runs / "floor-short")["time [s]"]
+    longest = max(b - a for a, b in zip([0, *ends], ends))
+    expect(longest < 1e-4 * 1.001, f"its windows have at most 1e-4 s from the first one on: {longest:.3g} s")
+    winch(place)
 
     # Resumed in the middle: the same bytes. Two bodies, one with the controller, the other with springs of ours.
     two = FLOORS.read_text().replace('"../python_spring/spring.py"', f'"{SPRING_PY}"')
