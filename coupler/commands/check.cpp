@@ -116,6 +116,7 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
   }
   print_head(view, options);
   for (const std::string& warning : session->warnings()) print_warning(warning);
+  for (const std::string& warning : judged_lines(view, session->columns())) print_warning(warning);
   fmt::print("{}", block_text("resolution", session->resolution()));
   for (const auto& [name, lines] : session->understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session->mapping_lines()));

@@ -1,5 +1,7 @@
 #include "coupler/commands/run_messages.hpp"
 
+#include "coupler/summary/start.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +16,21 @@ std::unique_ptr<Reporter> reporter_of(const RunOptions& options) {
   return table_reporter(stdout, style_of(stdout));
 }
 
-RunHeader header_of(const CaseView& view, const Session& session, const RunPlan& plan,
+namespace {
+
+/// The axis along which a body is less than half as long as along y; else y, the way of slamming.
+char thin_axis_of(const InterfaceMesh& mesh) {
+  if (mesh.position.cols() == 0) return 'y';
+  const Eigen::Vector3d l = mesh.position.rowwise().maxCoeff() - mesh.position.rowwise().minCoeff();
+  Eigen::Index thin = 1;
+  for (Eigen::Index axis = 0; axis < mesh.dimension; ++axis)
+    if (l[axis] < 0.5 * l[1] && l[axis] < l[thin]) thin = axis;
+  return "xyz"[thin];
+}
+
+}  // namespace
+
+RunHeader header_of(const CaseView& view, Session& session, const RunPlan& plan,
                     const std::filesystem::path& folder, const std::vector<Column>& history, bool resumed) {
   RunHeader header{.title = view.common.title,
                    .folder = folder,
@@ -29,6 +45,11 @@ RunHeader header_of(const CaseView& view, const Session& session, const RunPlan&
                    .end_time = plan.end,
                    .windows = plan.n_windows(),
                    .from = plan.start};
+  for (const CompareBlock& block : view.blocks)
+    if (applies(block, lookup_in(view.value))) header.judged.push_back(block.probe);
+  if (view.structures.size() == 1 && view.any_deforms() && session.structure() != nullptr)
+    header.thin_axis = thin_axis_of(session.structure()->mesh());
+  for (std::string& line : judged_lines(view, session.columns())) header.warnings.push_back(std::move(line));
   if (std::vector<std::string> lines = session.resolution(); !lines.empty())
     header.blocks.emplace_back("resolution", std::move(lines));
   if (resumed)

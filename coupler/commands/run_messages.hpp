@@ -49,7 +49,7 @@ struct RunMessages {
 };
 
 /// The head of console and log, before the first window. history: the columns of its file.
-RunHeader header_of(const CaseView&, const Session&, const RunPlan&, const std::filesystem::path& folder,
+RunHeader header_of(const CaseView&, Session&, const RunPlan&, const std::filesystem::path& folder,
                     const std::vector<Column>& history, bool resumed);
 
 /// Adds to the error that stopped a run the checkpoint to resume from, if there is one, and the loss.

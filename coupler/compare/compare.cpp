@@ -203,7 +203,7 @@ double Verdict::deviation() const {
 }
 
 std::string Verdict::line() const {
-  const std::string origin = source.empty() ? kind : kind + ": " + source;
+  const std::string origin = kind + (source.empty() ? ", no source named" : ": " + source);
   const bool relative = reference != 0;
   const std::string bound = relative ? percent(tolerance) : fmt::format("{:g}", tolerance);
   if (result == Result::not_reached || !value)

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -117,9 +118,18 @@ std::vector<Column> telling_columns(const RunHeader& header, std::size_t most) {
     for (const Column& column : header.columns)
       if (column.name == frequency) add(column);
   if (!columns.empty()) return columns;
-  for (const ProbeKeys& probe : header.probes)
-    for (const Column& column : header.columns)
-      if (column.name == probe.name || column.name == probe.name + ".y") add(column);
+  const auto is_judged = [&](const std::string& name) {
+    return std::find(header.judged.begin(), header.judged.end(), name) != header.judged.end();
+  };
+  for (const ProbeKeys& probe : header.probes) {
+    const std::array<std::string, 3> parts = {probe.name + ".x", probe.name + ".y", probe.name + ".z"};
+    const bool judged = std::any_of(parts.begin(), parts.end(), is_judged);
+    for (const Column& column : header.columns) {
+      const bool is_part = std::find(parts.begin(), parts.end(), column.name) != parts.end();
+      const bool shown = judged ? is_judged(column.name) : column.name.back() == header.thin_axis;
+      if (column.name == probe.name || (is_part && shown)) add(column);
+    }
+  }
   const auto of_probe = [&](const Column& column) {
     return std::any_of(header.probes.begin(), header.probes.end(),
                        [&](const ProbeKeys& probe) { return column.name.starts_with(probe.name + "."); });

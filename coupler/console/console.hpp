@@ -30,12 +30,14 @@ struct RunHeader {
   bool coupled = true;
   bool mechanical = true;  // displacement and force cross the interface
   int dimension = 2;
-  std::vector<Column> columns;    // of the participants
-  std::vector<ProbeKeys> probes;  // their columns come first
-  std::vector<Column> history;    // of history.csv
-  double end_time = 0;            // [s] simulated
-  long windows = 0;               // of the whole run, if no solver requests shorter ones
-  LoopState from = {};            // of a resumed run
+  std::vector<Column> columns;           // of the participants
+  std::vector<ProbeKeys> probes;         // their columns come first
+  std::vector<std::string> judged = {};  // what [[compare]] blocks look at: "tip.x"
+  char thin_axis = 'y';                  // along which the body is thinnest: a wall bends along x
+  std::vector<Column> history;           // of history.csv
+  double end_time = 0;                   // [s] simulated
+  long windows = 0;                      // of the whole run, if no solver requests shorter ones
+  LoopState from = {};                   // of a resumed run
 };
 
 /// One committed window as the console sees it.
@@ -102,7 +104,8 @@ std::unique_ptr<Reporter> json_reporter(std::FILE*);
 /// Warnings and verdicts alone; with --profile its lines.
 std::unique_ptr<Reporter> quiet_reporter(std::FILE*, const Style&);
 
-/// Chooses the columns of a run to show: the y component of each probe (or the scalar), then the others.
+/// Chooses the columns of a run to show: of each probe the scalar, or the components that a [[compare]] block
+/// looks at, or the one along the body's thin axis; then the others.
 std::vector<Column> telling_columns(const RunHeader&, std::size_t most);
 /// Lines on how a run ended: windows, time, probes, checks, files, the next commands. No newline at their
 /// ends.

@@ -123,13 +123,39 @@ std::vector<std::string> telling_motions(const Json& probes) {
   return motions;
 }
 
+/// The columns of the table, and beside each the components of its probe that grew larger than it. One that
+/// is round-off beside such a component is left out.
+std::vector<std::string> telling_probes(const Json& probes, const RunHeader& header) {
+  constexpr double least_part = 1e-6;  // of the largest component
+  std::vector<std::string> names;
+  for (const Column& column : telling_columns(header, most_probes)) names.push_back(column.name);
+  const auto peak_of = [&](const std::string& name) {
+    return probes.contains(name) ? std::abs(number_of(probes[name], "peak").value_or(0)) : 0.0;
+  };
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto dot = names[k].rfind('.');
+    if (dot == std::string::npos || dot + 2 != names[k].size()) continue;
+    const std::string base = names[k].substr(0, dot + 1);
+    double largest = peak_of(names[k]);
+    for (const char axis : {'z', 'y', 'x'}) {
+      const std::string other = base + axis;
+      largest = std::max(largest, peak_of(other));
+      if (peak_of(other) > peak_of(names[k]) && std::find(names.begin(), names.end(), other) == names.end())
+        names.insert(names.begin() + static_cast<std::ptrdiff_t>(k) + 1, other);
+    }
+    if (peak_of(names[k]) < least_part * largest)
+      names.erase(names.begin() + static_cast<std::ptrdiff_t>(k--));
+  }
+  return names;
+}
+
 void add_found(const Json& probes, const RunHeader& header, const Style& style,
                std::vector<std::string>& lines) {
   std::vector<std::pair<std::string, std::string>> found;
-  for (const Column& column : telling_columns(header, most_probes))
-    if (probes.contains(column.name))
-      if (std::string text = found_text(probes[column.name], style); !text.empty())
-        found.emplace_back(visible(column.name), visible(text));
+  for (const std::string& name : telling_probes(probes, header))
+    if (probes.contains(name))
+      if (std::string text = found_text(probes[name], style); !text.empty())
+        found.emplace_back(visible(name), visible(text));
   for (const std::string& load : telling_loads(probes))
     found.emplace_back(visible(load), visible(found_text(probes[load], style)));
   for (const std::string& motion : telling_motions(probes)) {

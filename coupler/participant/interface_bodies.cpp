@@ -1,6 +1,8 @@
 #include "coupler/participant/interface_record.hpp"
 #include "proto/error.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace strake {
@@ -56,6 +58,14 @@ InterfaceRecord InterfaceRecord::of_body(const std::string& name, const std::str
       part_of_it.value.push_back(values.middleCols(point, points));
   }
   return own;
+}
+
+void require_end(const InterfaceRecord& record, double end_time, const std::string& source) {
+  constexpr double round_off = 1e-9;
+  if (end_time <= record.end() * (1 + round_off)) return;
+  throw Error(ExitCode::case_file, source,
+              fmt::format("the record ends at {:.6g} s, before end_time = {:.6g} s", record.end(), end_time),
+              fmt::format("end_time = {:.6g}", record.end()));
 }
 
 }  // namespace strake

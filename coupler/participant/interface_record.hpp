@@ -72,6 +72,9 @@ class InterfaceRecorder {
 /// it has no motion and force to replay.
 InterfaceRecord read_interface_record(const std::filesystem::path& run_folder);
 
+/// Throws Error(case_file) where the record ends before the run that plays it; `source` names it.
+void require_end(const InterfaceRecord&, double end_time, const std::string& source);
+
 /// Where each of several bodies begins in a recorded interface ("body.left": first point, first face), in
 /// order; none for one structure.
 std::vector<MeshPart> parts_in(const Archive&);

@@ -107,8 +107,7 @@ class Spawn {
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<std::string> settings;
     for (char** entry = environ; *entry; ++entry) {
-      const std::string setting = *entry;
-      const std::string name = setting.substr(0, setting.find('='));
+      const std::string setting = *entry, name = setting.substr(0, setting.find('='));
       if (name != started_by && !environment.contains(name)) settings.push_back(setting);
     }
     settings.push_back(own_mark());
@@ -118,7 +117,8 @@ class Spawn {
                                     pointers(settings).data());
     if (failure != 0)
       throw Error(ExitCode::participant_lost, program.string(),
-                  fmt::format("cannot be started: {}", std::strerror(failure)));
+                  fmt::format("cannot be started: {}", std::strerror(failure)),
+                  failure == ENOEXEC ? "a script begins with its interpreter: #!/usr/bin/python3" : "");
     return pid;
   }
 

@@ -118,6 +118,16 @@ double fall_of(const CaseView& view, const std::string& table) {
   return std::max(0.0, -0.5 * gravity[1] * view.common.end_time * view.common.end_time);
 }
 
+/// Whether gravity brings a free body that starts upwards back to the water before the end:
+///   h + |v| t - g t^2/2 < 0.
+bool comes_down(const CaseView& view, const std::string& table, double speed, double height) {
+  if (at_or(view.value, table + ".free.y") != "true") return false;
+  const std::vector<double> gravity = numbers_in(at_or(view.value, "fluid.gravity"));
+  if (gravity.size() < 2) return true;  // not known: nothing is said
+  const double t = view.common.end_time;
+  return height - speed * t + 0.5 * gravity[1] * t * t < 0;
+}
+
 /// Says when a body that comes down too slowly, or from too high, would meet the water. speed: at t = 0.
 std::string why_late(const CaseView& view, const std::string& table, double speed, double height) {
   if (is_free_body(view, table) || !(speed > 0)) return fmt::format("it starts {:.3g} m above it", height);
@@ -157,7 +167,8 @@ std::optional<Wetted> wetted_at_end(const CaseView& view, const MovingBody& movi
       view.common.chosen.by_table > 0 && (name.empty() || !at_or(view.value, table + ".motion.file").empty());
   if (lowest < level - 1e-9 || by_table) return std::nullopt;
   const bool free = is_free_body(view, table);
-  if (speed < 0 && !free) return Wetted{.dry = "its velocity points up, along +y"};
+  if (speed < 0 && !comes_down(view, table, speed, lowest - level))
+    return Wetted{.dry = "its velocity points up, along +y"};
   const bool level_way = speed == 0 && velocity.row(1).isZero(0) && !velocity.isZero(0);
   if (level_way && lowest > level + 1e-9 && !free) return Wetted{.dry = "its velocity is level, y points up"};
   const double way = speed > 0 ? speed * view.common.end_time : fall_of(view, table);

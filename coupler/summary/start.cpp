@@ -1,5 +1,7 @@
 #include "coupler/summary/start.hpp"
 
+#include "coupler/compare/compare_block.hpp"
+#include "proto/error.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
 #include "proto/visible.hpp"
@@ -176,6 +178,28 @@ std::vector<std::string> start_lines(const CaseView& view, const std::vector<Bod
   }
   look_at_tank_start(view, lines);
   look_at_floor(view, bodies, lines);
+  return lines;
+}
+
+std::vector<std::string> judged_lines(const CaseView& view, const std::vector<Column>& columns) {
+  std::vector<std::string> names, lines;
+  for (const Column& column : columns) names.push_back(column.name);
+  if (view.coupled())
+    for (const char* load : {"force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z", "work_gap",
+                             "iterations", "residual"})
+      names.emplace_back(load);
+  const auto is_known = [&](const std::string& probe) {
+    const std::string base = probe.substr(0, probe.find('.'));
+    return std::ranges::find(names, probe) != names.end() ||
+           std::ranges::any_of(view.common.probes, [&](const ProbeKeys& one) { return one.name == base; });
+  };
+  for (const CompareBlock& block : view.blocks) {
+    if (is_known(block.probe) || !applies(block, lookup_in(view.value))) continue;
+    const std::string near = did_you_mean(block.probe, names);
+    lines.push_back(
+        fmt::format("[[compare]] of \"{}\": nothing of this run has that name, so it is not judged{}",
+                    block.probe, near.empty() ? "" : "; did you mean " + near + "?"));
+  }
   return lines;
 }
 

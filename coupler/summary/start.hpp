@@ -1,6 +1,7 @@
 #pragma once
 
 #include "coupler/case/case_view.hpp"
+#include "proto/files/history.hpp"
 #include "proto/interface.hpp"
 
 #include <array>
@@ -17,6 +18,10 @@ using BodyAtStart = std::pair<std::string, const InterfaceMesh*>;
 /// mass and the centre of gravity of a free one, and a driven one that comes to the floor of the tank. So are
 /// a tank that starts at full speed, and water that stands on nothing. No line without water of ours.
 std::vector<std::string> start_lines(const CaseView&, const std::vector<BodyAtStart>&);
+
+/// One line for each [[compare]] block that holds in this case and whose probe is no column of the run: it is
+/// never judged. columns: what the participants report. A probe that the solver leaves out is not said again.
+std::vector<std::string> judged_lines(const CaseView&, const std::vector<Column>& columns);
 
 /// "the body is 600 m long, larger than any ship"; empty for a smaller one. lengths: of the body along the
 /// axes [m].

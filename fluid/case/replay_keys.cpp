@@ -7,8 +7,8 @@
 
 namespace strake::fluid {
 
-std::filesystem::path read_replayed_run(CaseFile& file) {
-  read_common(file);
+ReplayedRun read_replayed_run(CaseFile& file) {
+  const double end_time = read_common(file).end_time;
   CaseTable fluid = file.root().table("fluid"), replay = fluid.table("replay", "fluid.solver = replay");
   std::string folder;
   replay.text("run", folder,
@@ -17,7 +17,7 @@ std::filesystem::path read_replayed_run(CaseFile& file) {
     throw replay.error("run", "the folder of a run with interface/*.h5",
                        "fluid.replay.run = \"runs/plate_entry\"");
   fluid.accept_all();  // the water itself is not computed: its keys are the other program's
-  return folder;
+  return {folder, end_time};
 }
 
 }  // namespace strake::fluid

@@ -26,6 +26,10 @@ SyntaxHelp syntax_help(const std::string& description, const std::string& line) 
     remark = remark.substr(colon + 2);
   if (remark.starts_with("cannot redefine")) return {"given twice", remark, "keep one of the two"};
   SyntaxHelp help{"not TOML", remark, "a line is [table], key = value, or a # comment"};
+  if (remark.find("invalid utf-8") != std::string::npos) {
+    help.fix = "save the file as UTF-8; umlauts and accents of other encodings are no TOML";
+    return help;
+  }
   if (remark.find("closing ']'") != std::string::npos) {
     help.fix = "close the list with ]";
     return help;

@@ -298,7 +298,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";
   if (!choice.known) {
-    choice.why = "the usual one where Strake does not know the flow";
+    choice.why = "the usual one where Strake does not know the flow: coupling.surface.window sets it";
     return choice;
   }
   if (choice.level) {

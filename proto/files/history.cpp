@@ -136,9 +136,10 @@ std::optional<Table::BadLine> Table::add_header(std::string_view line) {
   for (std::optional<std::string_view> rest = line; rest;) {
     const std::string_view cell = next_cell(rest);
     const std::size_t bracket = cell.find('[');
-    if (cell.find("];") != std::string_view::npos)
-      return BadLine{"columns are separated by ';'",
-                     "separate columns by commas, and write numbers with a decimal point: 0.25,1.5"};
+    for (const auto& [mark, name] : {std::pair("];", "';'"), {"]\t", "tabs"}, {"] \t", "tabs"}})
+      if (cell.find(mark) != std::string_view::npos)
+        return BadLine{fmt::format("columns are separated by {}", name),
+                       "separate columns by commas, and write numbers with a decimal point: 0.25,1.5"};
     if (bracket == std::string_view::npos || bracket == 0 || !cell.ends_with(']'))
       return BadLine{fmt::format("\"{}\" names no column", cell), header_fix};
     named.push_back({std::string(trimmed(cell.substr(0, bracket))),
@@ -176,7 +177,12 @@ Table read_table(const std::filesystem::path& path, std::uintmax_t largest, bool
   const std::string bytes = bytes_of(path, largest);
   Table table;
   table.path = path;
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
   std::string_view rest = bytes;
+  if (rest.starts_with(byte_order_mark)) rest.remove_prefix(byte_order_mark.size());
+  if (rest.starts_with("\xff\xfe") || rest.starts_with("\xfe\xff"))
+    throw Error(ExitCode::case_file, path.string(), "is text of 16 bits a character, UTF-16",
+                "save it as UTF-8");
   int number = 0;
   const auto add = [&](std::string_view line) {
     ++number;

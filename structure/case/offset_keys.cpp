@@ -93,6 +93,8 @@ std::vector<Eigen::Vector2d> read_offsets(const CaseFile& file, CaseTable t) {
     return {};
   }
   const Offsets offsets = read_table_of_offsets(path);
+  if (offsets.rows() == 0)
+    throw wrong(offsets.file, "holds no rows", "a row for each point of a section: 10,0.05,0.03");
   std::set<double> known(offsets.value[0].begin(), offsets.value[0].end());
   if (!t.has("station") && known.size() == 1) station = *known.begin();
   const std::vector<Eigen::Vector2d> half = half_section(offsets, station);
@@ -103,7 +105,7 @@ std::vector<Eigen::Vector2d> read_offsets(const CaseFile& file, CaseTable t) {
       if (some.size() < shown) some.push_back(fmt::format("{:.6g}", at));
     if (known.size() > shown) some.emplace_back("...");
     throw t.error("station", fmt::format("a station of {}: {} m", offsets.file, joined(some)),
-                  known.empty() ? "add rows to the table" : fmt::format("station = {}", some.front()));
+                  fmt::format("station = {}", some.front()));
   }
   if (half.size() < 3)
     throw wrong(offsets.file,

@@ -1,5 +1,6 @@
 #include "proto/mesh_files/stl.hpp"
 #include "proto/text.hpp"
+#include "proto/visible.hpp"
 #include "structure/case/keys.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
 
@@ -175,6 +176,22 @@ void read_parts(CaseTable t, bool all, Solid& solid, std::vector<Eigen::Vector3d
   }
 }
 
+/// The error of a support whose face is not there: a wrong name, or a side of a turned or round body, at
+/// whose outermost place no face of a cell lies.
+Error no_face(const CaseTable& table, const Solid& solid, const std::string& on) {
+  std::vector<std::string> names = {"left", "right", "bottom", "top"};
+  if (solid.dimension == 3) names.insert(names.end(), {"back", "front"});
+  const bool is_side = std::find(names.begin(), names.end(), on) != names.end();
+  for (const SupportedFace& face : solid.supported) names.push_back(face.name);
+  const std::string near = is_side ? "" : did_you_mean(on, names);
+  return table.error("on",
+                     is_side ? "a side that is level across its axis: at the outermost place of that side "
+                               "the body has a point or an edge, and no face"
+                             : "a face at the body's boundary: " + joined(names),
+                     near.empty() ? "give that side a physical name in the mesh file, or PART.SIDE of a box"
+                                  : fmt::format("did you mean \"{}\"?", near));
+}
+
 void read_supports(CaseTable t, bool all, Solid& solid) {
   for (CaseTable& table :
        t.tables("support", "what holds a face of a body of structure.mesh or structure.box")) {
@@ -192,17 +209,7 @@ void read_supports(CaseTable t, bool all, Solid& solid) {
     if (all) continue;
     const std::vector<int> facets = facets_named(solid, on);
     if (facets.empty()) {
-      std::string known;
-      std::vector<std::string> names = {"left", "right", "bottom", "top"};
-      for (const SupportedFace& face : solid.supported) {
-        known += ", " + face.name;
-        names.push_back(face.name);
-      }
-      const std::string near = did_you_mean(on, names);
-      throw table.error("on", "a face at the body's boundary: left, right, bottom, top" + known,
-                        near.empty()
-                            ? "give that side a physical name in the mesh file, or PART.SIDE of a box"
-                            : fmt::format("did you mean \"{}\"?", near));
+      throw no_face(table, solid, on);
     }
     auto found = std::find_if(solid.supported.begin(), solid.supported.end(),
                               [&](const SupportedFace& face) { return face.name == on; });

@@ -60,6 +60,7 @@ Replay::Replay(const Parameters& p, InterfaceRecord record)
   const InterfaceMesh wanted = surface(p);
   require_same_mesh(record_.mesh, wanted, source_);
   record_.mesh = wanted;
+  require_end(record_, p.end_time, source_);
 }
 
 void Replay::advance(double t, double dt, const Load&) {

@@ -42,7 +42,10 @@ std::string motion_text(const Parameters& p) {
   if (p.motion)
     moves += (moves.empty() ? "" : "   ") +
              fmt::format("driven by a table from {:.4g} to {:.4g} s", p.motion->start(), p.motion->end());
-  moves += (moves.empty() ? "" : "   ") + fmt::format("speed {:.4g} m/s", p.velocity.norm());
+  const double by_table = p.motion ? p.motion->largest_speed(p.end_time) : 0;
+  moves += (moves.empty() ? "" : "   ") +
+           (by_table > 0 ? fmt::format("speed up to {:.4g} m/s", p.velocity.norm() + by_table)
+                         : fmt::format("speed {:.4g} m/s", p.velocity.norm()));
   if (p.angular_velocity != 0) moves += fmt::format("   {:.4g} rad/s", p.angular_velocity);
   return moves;
 }
@@ -189,6 +192,9 @@ std::vector<std::string> Rigid::lines() const {
   else
     lines.back() += fmt::format("   inertia about x, y, z {:.6g}, {:.6g}, {:.6g} kg m^2", m.inertia(0, 0),
                                 m.inertia(1, 1), m.inertia(2, 2));
+  if (parameters_.free.any() && parameters_.body.mass == 0)
+    lines.emplace_back(
+        "its mass is structure.material.density times its volume: structure.mass is not given");
   const auto& file = parameters_.closed_surface.lines;
   lines.insert(lines.end(), file.begin(), file.end());
   if (body_.is_free())

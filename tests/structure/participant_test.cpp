@@ -268,6 +268,9 @@ TEST(Replay, GivesTheRecordedMotionAndRefusesAnotherMesh) {
   other = p;
   other.plate.bottom.y() += 0.01;
   EXPECT_THROW(Replay(other, record), Error);
+  other = p;
+  other.end_time = 4e-3;  // the record ends at 3e-3
+  EXPECT_THROW(Replay(other, record), Error);
 }
 
 TEST(Replay, GivesAPlaceInASolidBodyTheMotionOfItsNearestFace) {

@@ -44,9 +44,10 @@ def nothing_left(frames):
 
 
 def spread(values, n, components, what):
-    """Values as n × components float64: one number or vector for all points, or one for each. Two components get z = 0.
+    """Values as n × components float64: one row for all points, or one for each. Two components get z = 0.
 
-    Error where they do not fit, or are not finite.
+    A number alone is a row of one component; of a vector only 0 says all of its components. Error where the values do not
+    fit, or are not finite.
     """
     try:
         if values is None or isinstance(values, (str, bytes)):  # numpy takes them for nan, and for numbers
@@ -59,6 +60,9 @@ def spread(values, n, components, what):
     if components == 3 and array.ndim and array.shape[-1] == 2:
         array = np.concatenate([array, np.zeros((*array.shape[:-1], 1))], -1)
     try:
+        one_for_all = components > 1 and (array.ndim == 0 or array.shape[-1] == 1)  # along which axis, nobody said
+        if one_for_all and np.isfinite(array).all() and array.any():
+            raise ValueError
         array = np.ascontiguousarray(np.broadcast_to(array, (n, components)), "<f8")
     except ValueError:
         raise Error(f"{what} has the shape {np.shape(values)}, expected {(n, components)}",

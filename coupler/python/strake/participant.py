@@ -15,6 +15,8 @@ from .faults import error_of
 from .messages import pb
 from .options import Options
 
+MONITOR_PREFIXES = ("seconds", "count", "check", "memory", "alarm")  # of names that are no columns
+
 
 class Participant:
     """One solver of a run. Derive from it, write `build` and `advance`, and call `main` at the end of the program.
@@ -177,9 +179,10 @@ class Participant:
         nothing_left(frames)
         self.check_load()
         self.state, self.sent = copy.deepcopy(self.committed), []
-        load = self.samples[-1][1] if self.samples else {}
+        load = self.samples[-1][1] if self.samples else self.no_load()
         try:
             values = self.checked(self.advance(ask.t, ask.dt, load))
+            self.check_monitor()
         except RetrySmallerStep as e:
             self.state = copy.deepcopy(self.committed)
             advanced = pb.Advanced(dt_limit=e.limit, retry_smaller_dt=True, why=e.why, fix=e.fix)
@@ -242,6 +245,18 @@ class Participant:
         if missing or len(values) > len(self.exchanged):
             raise Error(f"advance() returned {', '.join(values) or 'nothing'}, expected {', '.join(q.name for q in self.exchanged)}")
         return [spread(values[q.name], self.mesh.n, q.components, q.name) for q in self.exchanged]
+
+    def no_load(self):
+        """Zeros of what the side receives, for a solver without a partner: `fluid.solver = "none"`."""
+        received = quantities.RECEIVED_BY.get(self.side, ())
+        return {name: np.zeros((self.mesh.n, quantities.quantity(name).components)) for name in received}
+
+    def check_monitor(self):
+        """A value that neither a column nor a prefix of proto/WIRE.md ("Names in `monitor`") takes would be lost."""
+        for name in self.monitor:
+            if name not in self.columns and ":" not in name and name.split(".")[0] not in MONITOR_PREFIXES:
+                raise Error(f'self.monitor["{name}"] is no column, its values would be lost',
+                            f'name it in build(): self.columns = {{"{name}": "1"}}, with its unit')
 
     def check_load(self):
         for _, fields in self.samples:

@@ -18,6 +18,7 @@ KNOWN = {q.name: q for q in (
     Quantity("displacement", "m", 3), Quantity("velocity", "m/s", 3), Quantity("force", "N", 3, True),
     Quantity("traction", "Pa", 3), Quantity("pressure", "Pa", 1))}
 SENT_BY = {"structure": "displacement", "fluid": "force", "attachment": "force"}  # where a participant names nothing else
+RECEIVED_BY = {"structure": ("force",), "fluid": ("displacement", "velocity")}  # of Strake's own solvers
 
 
 def quantity(name):

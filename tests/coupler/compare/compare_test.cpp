@@ -367,6 +367,9 @@ TEST(Compare, SaysInOneLineWhatWasMeasuredExpectedAndAllowed) {
       "FAIL  mid.y first_peak 0.002, expected 0.001625: +23.1 % (outside 15 %), theory: modal Galerkin");
   EXPECT_EQ(judge(block, {}).front().line(),
             "not reached  mid.y first_peak, expected 0.001625 within 15 %, theory: modal Galerkin");
+  block.source.clear();  // a reference without a source is told as one
+  EXPECT_EQ(judge(block, {}).front().line(),
+            "not reached  mid.y first_peak, expected 0.001625 within 15 %, theory, no source named");
 }
 
 }  // namespace

@@ -52,5 +52,52 @@ TEST(Closing, TellsTheForceOnEachOfSeveralBodies) {
   EXPECT_EQ(found.find("right.force.x"), std::string::npos) << "round-off\n" << found;
 }
 
+RunHeader wall_header() {
+  RunHeader header;
+  ProbeKeys tip;
+  tip.name = "tip";
+  header.probes = {tip};
+  header.columns = {{"tip.x", "m"}, {"tip.y", "m"}};
+  return header;
+}
+
+std::string names_of(const std::vector<Column>& columns) {
+  std::string names;
+  for (const Column& column : columns) names += column.name + " ";
+  return names;
+}
+
+// A wall bends along x: its height tells little.
+TEST(Closing, ShowsTheComponentAlongWhichTheBodyBends) {
+  RunHeader header = wall_header();
+  EXPECT_EQ(names_of(telling_columns(header, 4)), "tip.y ");
+  header.thin_axis = 'x';
+  EXPECT_EQ(names_of(telling_columns(header, 4)), "tip.x ");
+  header.judged = {"force.y", "tip.y"};
+  EXPECT_EQ(names_of(telling_columns(header, 4)), "tip.y ");
+  header.judged = {"tip.x", "tip.y"};
+  EXPECT_EQ(names_of(telling_columns(header, 4)), "tip.x tip.y ");
+}
+
+TEST(Closing, TellsAComponentThatGrewLargerThanTheOneOfTheTable) {
+  Table history;
+  history.columns = {{"time", "s"}, {"tip.x", "m"}, {"tip.y", "m"}};
+  const auto told = [&](double x, double y) {
+    history.value = {{0.1, 0.2, 0.3}, {0, x, 0}, {0, y, 0}};
+    Summary summary("wall", "");
+    summary.describe(history.columns);
+    summary.take_history(history);
+    std::string all;
+    for (const std::string& line :
+         closing_lines({.summary = &summary, .folder = "runs/wall"}, wall_header(), Style{}))
+      all += line + "\n";
+    return all;
+  };
+  EXPECT_NE(told(0.04, -0.01).find("tip.x  first peak 40 mm"), std::string::npos) << told(0.04, -0.01);
+  EXPECT_NE(told(0.04, -0.01).find("tip.y  first peak -10 mm"), std::string::npos);
+  EXPECT_EQ(told(0.001, -0.01).find("tip.x"), std::string::npos) << told(0.001, -0.01);
+  EXPECT_EQ(told(0.04, -1e-17).find("tip.y"), std::string::npos) << told(0.04, -1e-17);
+}
+
 }  // namespace
 }  // namespace strake

@@ -59,6 +59,21 @@ void record(InterfaceRecorder& recorder, int from, int to, bool with_velocity = 
   }
 }
 
+// A replay that runs out of record after an hour has lost the hour.
+TEST(InterfaceRecord, OneThatEndsBeforeTheRunIsRefusedAtTheStart) {
+  InterfaceRecord record;
+  record.windows = windows(2);
+  EXPECT_NO_THROW(require_end(record, 0.03, "runs/a"));
+  try {
+    require_end(record, 0.05, "runs/a");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::case_file);
+    EXPECT_NE(to_text(error).find("the record ends at 0.03 s, before end_time = 0.05 s"), std::string::npos);
+    EXPECT_EQ(error.fix(), "end_time = 0.03");
+  }
+}
+
 TEST(InterfaceRecord, IsReadBackAsItWasWritten) {
   TemporaryFolder folder;
   InterfaceRecorder recorder(folder.path(), strip(), initial, 4);

@@ -18,7 +18,7 @@ import strake
 class Solver(strake.Participant):
     def build(self, key):
         self.points, self.faces = [(0, 0), (1, 0), (1, 1)], [(0, 1), (1, 2), (2, 0)]
-        self.state = {"y": np.zeros(2), "n": 0}
+        self.state, self.columns = {"y": np.zeros(2), "n": 0}, {"n": "1"}
         {build}
     def advance(self, t, dt, load):
         {advance}
@@ -32,7 +32,7 @@ CASE = "[structure.solver]\nmass = 2.0\n"
 LOAD = np.array([[0, 1.0, 0]] * 3)
 
 
-def script(build="self.columns = {'n': '1'}", advance="pass"):
+def script(build="pass", advance="pass"):
     return BEGIN.replace("{build}", build).replace("{advance}", advance)
 
 
@@ -127,6 +127,8 @@ class Participant(unittest.TestCase):
     def test_refuses_what_it_cannot_send(self):
         for advance, words in (("return 0, float('nan')", "displacement is nan at point 0"),
                                ("return np.zeros((4, 3))", r"displacement has the shape \(4, 3\), expected \(3, 3\)"),
+                               ("return self.state['n'] + 1", r"displacement has the shape \(\), expected \(3, 3\)"),
+                               ("return np.ones((3, 1))", r"displacement has the shape \(3, 1\), expected \(3, 3\)"),
                                ("return {'velocity': 0}", "returned velocity, expected displacement"),
                                ("return None", r"advance\(\) returned None, expected displacement"),
                                ("return {'displacement': None}", "displacement is NoneType, expected numbers"),
@@ -134,6 +136,20 @@ class Participant(unittest.TestCase):
             solver = self.alone(advance=advance)
             with self.assertRaisesRegex(strake.Error, words):
                 solver.checked(solver.advance(0, 1.0, {"force": LOAD}))
+
+    def test_refuses_a_monitor_that_no_column_takes(self):
+        coupler = self.begin(script(advance="self.monitor['tip.y'] = 1.0"))
+        coupler.setup()
+        reply, _ = coupler.advance(0, 1.0, LOAD)
+        self.fault(coupler, reply, 'self.monitor["tip.y"] is no column', 'self.columns = {"tip.y": "1"}')
+
+    def test_a_load_without_a_partner_is_zero(self):
+        coupler = self.begin(script(advance="self.monitor['n:load'] = np.abs(load['force']).sum() + len(load['force'])"))
+        coupler.setup()
+        reply, arrays = coupler.ask(advance=pb.Advance(t=0, dt=1))
+        self.assertEqual(reply.WhichOneof("what"), "advanced", reply)
+        self.assertEqual((reply.advanced.monitor["n:load"], np.frombuffer(arrays[0]).tolist()), (3, [0.0] * 9))
+        coupler.stop()
 
     def test_refuses_a_mesh_that_is_none(self):
         for build, words in (("self.faces = [(0, 3)]", "a face names point 3, the points are 0 to 2"),
@@ -169,8 +185,8 @@ class Participant(unittest.TestCase):
 
     def test_sends_several_fields_and_their_history(self):
         text = script(build="self.sends = {'displacement': (1, 2), 'velocity': 0}; self.history = True",
-                      advance="self.sample(t + dt / 2, {'displacement': 7, 'velocity': 8})\n"
-                              "        return {'displacement': len(self.samples), 'velocity': (3, 4, 5)}")
+                      advance="self.sample(t + dt / 2, {'displacement': (7, 0), 'velocity': (8, 0)})\n"
+                              "        return {'displacement': (len(self.samples), 0), 'velocity': (3, 4, 5)}")
         coupler = self.begin(text)
         reply, arrays = coupler.setup(history=True)
         self.assertTrue(reply.ready.history)

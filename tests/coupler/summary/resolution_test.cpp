@@ -203,6 +203,10 @@ TEST(Resolution, ABodyThatIsDrivenUpwardsDoesNotReachTheWater) {
   CaseView thrown = case_with(0.005, 0.012);
   thrown.value["structure.free.y"] = "true";
   EXPECT_FALSE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity), words));
+  thrown.value["fluid.gravity"] = "[0, -9.81, 0]";  // up at 6 m/s it is back after 1.2 s
+  EXPECT_TRUE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity), words));
+  thrown.common.end_time = 1.3;
+  EXPECT_FALSE(says(resolution_lines(thrown, wedge.mesh, wedge.velocity), words));
 }
 
 // 6 m/s: the gap of 0.3 m is left behind at 0.05 s.

@@ -156,5 +156,34 @@ TEST(Start, WaterAboveTheFloorIsSaidWhereNothingStandsUnderIt) {
   EXPECT_EQ(said(view, above), "") << "less than half a spacing";
 }
 
+CompareBlock block_of(const std::string& probe) {
+  CompareBlock block;
+  block.probe = probe;
+  return block;
+}
+
+// A slip in the name of a probe left its reference "not reached" for ever.
+TEST(Start, ACompareBlockOfAProbeThatTheRunHasNotIsSaid) {
+  CaseView view = tank();
+  ProbeKeys tip;
+  tip.name = "tip";
+  view.common.probes = {tip};
+  const std::vector<Column> columns = {{"tip.x", "m"}, {"tip.y", "m"}, {"body.y", "m"}};
+  for (const char* known : {"tip.y", "tip.von_mises", "body.y", "force.y"}) {
+    view.blocks = {block_of(known)};
+    EXPECT_TRUE(judged_lines(view, columns).empty()) << known;
+  }
+  view.blocks = {block_of("tipp.y")};
+  ASSERT_EQ(judged_lines(view, columns).size(), 1u);
+  EXPECT_NE(judged_lines(view, columns).front().find("\"tipp.y\""), std::string::npos);
+  EXPECT_NE(judged_lines(view, columns).front().find("did you mean tip.y?"), std::string::npos);
+  view.blocks.front().when = {{"structure.solver", {"fem"}}};
+  view.value["structure.solver"] = "rigid";
+  EXPECT_TRUE(judged_lines(view, columns).empty()) << "it does not hold here";
+  view.structures.clear();
+  view.blocks = {block_of("force.y")};
+  EXPECT_EQ(judged_lines(view, columns).size(), 1u) << "water alone has no load on a body";
+}
+
 }  // namespace
 }  // namespace strake

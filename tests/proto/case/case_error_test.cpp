@@ -68,6 +68,15 @@ TEST(CaseError, ReadsAsTheStoredTextsSay) {
   if (std::getenv("STRAKE_WRITE_TEXTS")) put(texts, written);
 }
 
+TEST(CaseError, OfAnotherEncodingSaysSo) {
+  try {
+    CaseFile::parse("title = \"Spant f\xfcr\"\n", "case.toml");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(error.fix().find("save the file as UTF-8"), std::string::npos) << to_text(error);
+  }
+}
+
 TEST(CaseError, OfTheCaseExitsThreeAndOfTheCommandLineTwo) {
   for (const Sample& sample : samples()) {
     try {

@@ -131,6 +131,15 @@ TEST(ReadTable, TakesNotesBlanksAndCarriageReturns) {
   EXPECT_EQ(table.column("x")[1], 4);
 }
 
+// A spreadsheet's "CSV UTF-8" begins with three bytes that no editor shows.
+TEST(ReadTable, TakesAByteOrderMark) {
+  const TemporaryFolder folder;
+  put(folder / "a.csv", "\xef\xbb\xbftime [s],x [m]\n0,1\n");
+  const Table table = read_table(folder / "a.csv");
+  ASSERT_EQ(table.rows(), 1u);
+  EXPECT_EQ(table.column("time")[0], 0);
+}
+
 TEST(ReadTable, NamesFileAndLineOfWhatIsWrong) {
   const TemporaryFolder folder;
   const auto text = [&](const std::string& bytes) {
@@ -143,6 +152,9 @@ TEST(ReadTable, NamesFileAndLineOfWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(text("time,x\n1,2\n").find("a.csv:1: \"time\" names no column"), std::string::npos);
   EXPECT_NE(text("time [s];x [m]\n1;2,5\n").find("a.csv:1: columns are separated by ';'"), std::string::npos);
+  EXPECT_NE(text("time [s]\tx [m]\n1\t2\n").find("a.csv:1: columns are separated by tabs"),
+            std::string::npos);
+  EXPECT_NE(text(std::string("\xff\xfet\0i\0", 6)).find("UTF-16"), std::string::npos);
   EXPECT_NE(text("").find("holds no columns"), std::string::npos);
   EXPECT_NE(text_of_error([&] { read_table(folder.path()); }, ExitCode::case_file).find("cannot be read"),
             std::string::npos);

@@ -52,6 +52,10 @@ class Offsets : public testing::Test {
   std::filesystem::path folder_ = temporary_.path();
 };
 
+TEST_F(Offsets, ATableWithoutRowsIsSaidToHaveNone) {
+  refuses("station [m],height [m],half_breadth [m]\n", "station = 10\n", "holds no rows");
+}
+
 TEST_F(Offsets, ASectionIsMirroredAndClosedByADeck) {
   const Parameters p = read(table, "station = 10\n");
   EXPECT_EQ(p.shape.corner.size(), 5u);  // the keel is one corner

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <string>
 
@@ -77,6 +79,18 @@ TEST(BodyKeys, ABodyOfBoxesIsScaledThenTurnedThenMoved) {
 }
 
 // A wedge or an outline heels as a section of offsets does: first scaled, then turned, then moved.
+// "did you mean left?" was the answer to "left".
+TEST(BodyKeys, ASideWithoutAFaceIsToldWhy) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "cell.inp";
+  std::ofstream(file)
+      << "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=CPE4, ELSET=a\n1, 1, 2, 3, 4\n";
+  const std::string mesh = "mesh = \"" + file.string() + "\"\n", left = "support = [{ on = \"left\" }]\n";
+  EXPECT_NO_THROW(read_body(mesh + left, {}, "fem"));
+  refuses(mesh + "placed.angle = 10\n" + left, "has a point or an edge, and no face", {}, "fem");
+  refuses(mesh + "support = [{ on = \"lef\" }]\n", "did you mean \"left\"?", {}, "fem");
+}
+
 TEST(BodyKeys, AnOutlineOrAWedgeIsScaledThenTurnedThenMoved) {
   const std::string placed =
                         "material.density = 100\nplaced = { scale = 0.001, angle = 90, move = [1, 2] }\n",

@@ -268,6 +268,20 @@ TEST(Rigid, SaysItsMassAndHowHardItIsToCouple) {
   EXPECT_NE(lines.at(0).find("free in y"), std::string::npos);
   EXPECT_NE(lines.at(1).find("mass 50 kg per metre of depth"), std::string::npos);
   EXPECT_NE(lines.at(2).find("added-mass ratio 1.96"), std::string::npos) << lines.at(2);  // ½π ρ 0.25²/50
+  p.body.mass = 0;  // solid steel, which a hull is not
+  EXPECT_NE(Rigid(p).lines().at(2).find("structure.mass is not given"), std::string::npos);
+}
+
+TEST(Rigid, SaysTheSpeedOfItsTable) {
+  Parameters p = crooked();
+  p.velocity = Vector3d::Zero();
+  p.end_time = 1;
+  p.motion = MotionTable(
+      {0, 1}, {MotionColumn::absent, MotionColumn::rate, MotionColumn::absent, MotionColumn::absent},
+      {{{}, {-5, -5}, {}, {}}});
+  EXPECT_NE(Rigid(p).lines().at(0).find("driven by a table from 0 to 1 s   speed up to 5 m/s"),
+            std::string::npos)
+      << Rigid(p).lines().at(0);
 }
 
 }  // namespace
