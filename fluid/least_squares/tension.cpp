@@ -8,14 +8,14 @@ namespace strake::fluid {
 
 namespace {
 
-/// Marks the water that has a particle of full surface share within reach.
+/// Marks the water that has a particle of the free surface, σ > 0, within reach.
 void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t water, bool several) {
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
   // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
   surface.in_reach.assign(static_cast<std::size_t>(water), several ? 1 : 0);
 #pragma omp parallel for schedule(static) if (!several)
   for (std::int64_t j = 0; j < (several ? 0 : water); ++j) {
-    if (surface.share[j] < 1) continue;
+    if (!(surface.share[j] > 0)) continue;
     for (const std::int32_t i : far.row(j)) {
       if (i >= water) break;
       std::atomic_ref(surface.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
@@ -23,20 +23,22 @@ void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t wa
   }
 }
 
-/// Returns (D_s/l0 − 1.6)/1.5 within 0 and 1, D_s the distance of particle i from the free surface (F46).
+/// Returns (D_s/l0 − 1.6)/1.5 within 0 and 1, D_s the distance of particle i from the free surface (F46),
+///   D_s = min_j ( r_ij + (1 − σ_j) 3.1 l0 ) ,   j = i with r = 0 and the water within 3.1 l0.
+/// σ inside the water passes zero and one all the time, by a little. D_s, with the tension of the water and
+/// the velocity past curved faces, may not jump by that.
 double depth_share(const auto& surface, const Neighbours& far, std::int64_t water, double spacing,
                    std::int64_t i) {
-  if (surface.share[i] > 0) return 0;
-  if (!surface.in_reach[static_cast<std::size_t>(i)]) return 1;
   const LeastSquaresConstants& tuned = least_squares_constants();
+  double nearest = (1 - surface.share[i]) * tuned.tension_from;
+  if (!surface.in_reach[static_cast<std::size_t>(i)] && surface.share[i] == 0) return 1;
   const auto columns = far.row(i);
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
-  double nearest = tuned.tension_from * spacing;
   for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
-    if (surface.share[columns[e]] >= 1)
-      nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)));
-  return std::clamp((nearest / spacing - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to),
-                    0.0, 1.0);
+    if (const double share = surface.share[columns[e]]; share > 0)
+      nearest = std::min(nearest, 1 / (far.inverse_of(first + static_cast<std::int64_t>(e)) * spacing) +
+                                      (1 - share) * tuned.tension_from);
+  return std::clamp((nearest - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to), 0.0, 1.0);
 }
 
 }  // namespace
