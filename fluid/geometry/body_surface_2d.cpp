@@ -320,7 +320,11 @@ bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
   if ((x.array() < whole_.low.array() - distance).any() || (x.array() > whole_.high.array() + distance).any())
     return false;
   return std::ranges::any_of(edges_, [&](const Edge& edge) {
-    return !edge.closed && (vertex_.col(edge.vertex) - x).squaredNorm() < distance * distance;
+    const auto is_near = [&](int k) {
+      return (vertex_.col(edge.vertex + k) - x).squaredNorm() < distance * distance;
+    };
+    const bool bends = edge.stretch.size() > 2;
+    return bends ? std::ranges::any_of(edge.stretch, is_near) : !edge.closed && is_near(0);
   });
 }
 

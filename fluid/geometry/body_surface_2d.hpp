@@ -78,10 +78,10 @@ class BodySurface2d {
   /// count: the tip is thinner than a spacing there, and water on its two sides stays as near as it was
   /// before the tip came between.
   bool separates(const Vector2& a, const Vector2& b) const;
-  /// Returns the length of the way from a to b past the body [m]: straight, or around the corner between the
-  /// two edges that the segment crosses. Across other edges there is none: infinity.
+  /// Returns the length of the way from a to b past the body [m]: straight, around the corner between the two
+  /// edges that the segment crosses, or around knuckles of one. Across others there is none: infinity.
   double way_around(const Vector2& a, const Vector2& b) const;
-  /// Whether x lies within that distance of a corner.
+  /// Whether x lies within that distance of a corner or a knuckle.
   bool beside_corner(const Vector2& x, double distance) const;
   bool inside(const Vector2& x) const;
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is

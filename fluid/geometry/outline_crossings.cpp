@@ -2,8 +2,10 @@
 #include "proto/geometry/polygon.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 // Finds which segments cross the outline of a plane body. A pair of water and a layer particle counts where
 // it crosses the layer's edge, a pair of water where it crosses none.
@@ -20,6 +22,42 @@ constexpr double sharp_angle = 1.5;  // [rad], 86 degrees
 constexpr double tie = 1e-9;
 /// So many pieces of a bent edge are left out together where a pair lies beside them all.
 constexpr int block = 16;
+
+/// Returns the length of a string drawn tight from a to b past places of the outline, in its order, with the
+/// body on the left: it touches those where it turns to the left.
+double tight_string(const Vector2& a, const std::vector<Vector2>& places, const Vector2& b) {
+  std::vector<Vector2> string{a};
+  const auto reach = [&](const Vector2& x) {
+    while (string.size() > 1 && !(cross(string.back() - string[string.size() - 2], x - string.back()) > 0))
+      string.pop_back();
+    string.push_back(x);
+  };
+  for (const Vector2& place : places) reach(place);
+  reach(b);
+  double length = 0;
+  for (std::size_t k = 1; k < string.size(); ++k) length += (string[k] - string[k - 1]).norm();
+  return length;
+}
+
+/// Returns the way from a to b around the knuckles of an edge that the segment crosses twice: that of a tight
+/// string past those between the two pieces, of a closed edge the shorter one of both. crossed: the pieces.
+double way_around_knuckles(const BodySurface2d::Edge& edge, const BodySurface2d& body,
+                           const std::array<int, 2>& crossed, const Vector2& a, const Vector2& b) {
+  std::vector<Vector2> between, beyond, before;  // knuckles from piece to piece, behind and before them
+  for (std::size_t c = edge.closed ? 0 : 1; c + 1 < edge.stretch.size(); ++c) {
+    const int k = edge.stretch[c];
+    (k <= crossed[0] ? before : k <= crossed[1] ? between : beyond).push_back(body.vertex(edge.vertex + k));
+  }
+  const Vector2 start = body.vertex(edge.vertex + crossed[0]),
+                along = body.vertex(edge.vertex + crossed[0] + 1) - start;
+  const bool in_order = cross(along, a - start) < 0;  // a lies before the first piece
+  const Vector2 &first = in_order ? a : b, &last = in_order ? b : a;
+  double way = std::numeric_limits<double>::infinity();
+  if (!between.empty()) way = tight_string(first, between, last);
+  beyond.insert(beyond.end(), before.begin(), before.end());
+  if (edge.closed && !beyond.empty()) way = std::min(way, tight_string(last, beyond, first));
+  return way;
+}
 
 }  // namespace
 
@@ -119,7 +157,18 @@ double BodySurface2d::way_around(const Vector2& a, const Vector2& b) const {
     (first < 0 ? first : second) = r;
   }
   if (first < 0) return (b - a).norm();
-  if (second < 0) return none;
+  if (second < 0) {
+    const Edge& edge = edges_[static_cast<std::size_t>(first)];
+    if (edge.stretch.size() < 3) return none;  // it has no knuckles
+    std::array<int, 2> crossed{};
+    std::size_t count = 0;
+    for (auto [i, end] = pieces_beside(first, a, b); i < end; ++i) {
+      if (!crosses_piece(edge.vertex + i, a, b, -tie, 1 + tie)) continue;
+      if (count == 2) return none;
+      crossed[count++] = i;
+    }
+    return count == 2 ? way_around_knuckles(edge, *this, crossed, a, b) : none;
+  }
   double way = none;
   for (const auto& [from, to] : {std::pair(first, second), std::pair(second, first)}) {
     const Edge& edge = edges_[static_cast<std::size_t>(from)];
