@@ -1,5 +1,6 @@
 #include "proto/error.hpp"
 #include "structure/mesh_files/mesh_file.hpp"
+#include "tests/structure/mesh_files/two_cells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,53 +35,14 @@ class ExportedMesh : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Two quadrilaterals side by side in format 4.1; what the entities, a line at x = 0 and the surface, belong
-/// to.
-std::string two_cells(const std::string& line, const std::string& surface) {
-  return R"($MeshFormat
-4.1 0 8
-$EndMeshFormat
-$PhysicalNames
-3
-1 7 "clamp"
-1 8 "wet"
-2 1 "steel"
-$EndPhysicalNames
-$Entities
-0 1 1 0
-4 0 0 0 0 1 0 )" +
-         line + " 0\n1 0 0 0 2 1 0 " + surface + R"( 0
-$EndEntities
-$Nodes
-1 6 1 6
-2 1 0 6
-1
-2
-3
-4
-5
-6
-0 0 0
-1 0 0
-2 0 0
-0 1 0
-1 1 0
-2 1 0
-$EndNodes
-$Elements
-2 3 1 3
-1 4 1 1
-1 4 1
-2 1 3 2
-2 1 2 5 4
-3 2 3 6 5
-$EndElements
-)";
+/// A line at x = 0 and the surface belong to those groups, whose number stands first.
+std::string grouped(const std::string& line, const std::string& surface) {
+  return two_cells("3\n1 7 \"clamp\"\n1 8 \"wet\"\n2 1 \"steel\"", line, surface);
 }
 
 // Physical Curve("clamp") = {-4} has the tag -7 in format 4.1: the sign tells the orientation.
 TEST_F(ExportedMesh, ATagWithTheSignOfItsEntityHasItsName) {
-  const Solid solid = read("a.msh", two_cells("1 -7", "1 -1"));
+  const Solid solid = read("a.msh", grouped("1 -7", "1 -1"));
   EXPECT_EQ(solid.parts.front().name, "steel");
   ASSERT_EQ(solid.supported.size(), 1U);
   EXPECT_EQ(solid.supported.front().name, "clamp");
@@ -88,7 +50,7 @@ TEST_F(ExportedMesh, ATagWithTheSignOfItsEntityHasItsName) {
 
 // Format 2.2 has a side once for each of its groups, 4.1 a list of them.
 TEST_F(ExportedMesh, ASideBelongsToAllItsGroups) {
-  const Solid solid = read("a.msh", two_cells("2 7 8", "2 1 9"));
+  const Solid solid = read("a.msh", grouped("2 7 8", "2 1 9"));
   ASSERT_EQ(solid.supported.size(), 2U);
   EXPECT_EQ(solid.supported[0].name, "clamp");
   EXPECT_EQ(solid.supported[1].name, "wet");

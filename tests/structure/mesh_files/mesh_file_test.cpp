@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "structure/body/mass.hpp"
+#include "tests/structure/mesh_files/two_cells.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -70,44 +71,7 @@ $Elements
 $EndElements
 )";
 
-const std::string msh4 = R"($MeshFormat
-4.1 0 8
-$EndMeshFormat
-$PhysicalNames
-2
-1 7 "clamp"
-2 1 "steel"
-$EndPhysicalNames
-$Entities
-0 1 1 0
-4 0 0 0 0 1 0 1 7 0
-1 0 0 0 2 1 0 1 1 0
-$EndEntities
-$Nodes
-1 6 1 6
-2 1 0 6
-1
-2
-3
-4
-5
-6
-0 0 0
-1 0 0
-2 0 0
-0 1 0
-1 1 0
-2 1 0
-$EndNodes
-$Elements
-2 3 1 3
-1 4 1 1
-1 4 1
-2 1 3 2
-2 1 2 5 4
-3 2 3 6 5
-$EndElements
-)";
+const std::string msh4 = two_cells("2\n1 7 \"clamp\"\n2 1 \"steel\"", "1 7", "1 1");
 
 const std::string inp = R"(*HEADING
 two cells
