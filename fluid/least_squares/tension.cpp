@@ -8,14 +8,26 @@ namespace strake::fluid {
 
 namespace {
 
-/// Marks the water that has a particle of the free surface, σ > 0, within reach.
-void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t water, bool several) {
+/// How a particle counts as free surface in D_s. Beside a body that stood in the water with its share σ:
+/// inside the water σ passes zero and one all the time, by a little, and D_s, with the tension of the water
+/// and the velocity past curved faces, may not jump by that. Else a neighbour counts with σ = 1 alone, and a
+/// particle with any σ lies at the surface itself: the jets of a body that enters the water have σ between,
+/// and tension in them drew water into the body.
+struct SurfaceInDepth {
+  bool by_share;
+  bool is_any(double share) const { return by_share ? share > 0 : share >= 1; }
+  double own(double share) const { return by_share || share == 0 ? share : 1; }
+};
+
+/// Marks the water that has a particle of the free surface within reach.
+void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t water, bool several,
+                           SurfaceInDepth counts) {
   // Rows are symmetric: water within reach of the free surface is in the surface's rows. All threads write
   // the same value. On several ranks all water looks for the surface in its own rows, since ghosts have none.
   surface.in_reach.assign(static_cast<std::size_t>(water), several ? 1 : 0);
 #pragma omp parallel for schedule(static) if (!several)
   for (std::int64_t j = 0; j < (several ? 0 : water); ++j) {
-    if (!(surface.share[j] > 0)) continue;
+    if (!counts.is_any(surface.share[j])) continue;
     for (const std::int32_t i : far.row(j)) {
       if (i >= water) break;
       std::atomic_ref(surface.in_reach[static_cast<std::size_t>(i)]).store(1, std::memory_order_relaxed);
@@ -25,18 +37,17 @@ void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t wa
 
 /// Returns (D_s/l0 − 1.6)/1.5 within 0 and 1, D_s the distance of particle i from the free surface (F46),
 ///   D_s = min_j ( r_ij + (1 − σ_j) 3.1 l0 ) ,   j = i with r = 0 and the water within 3.1 l0.
-/// σ inside the water passes zero and one all the time, by a little. D_s, with the tension of the water and
-/// the velocity past curved faces, may not jump by that.
 double depth_share(const auto& surface, const Neighbours& far, std::int64_t water, double spacing,
-                   std::int64_t i) {
+                   std::int64_t i, SurfaceInDepth counts) {
   const LeastSquaresConstants& tuned = least_squares_constants();
-  double nearest = (1 - surface.share[i]) * tuned.tension_from;
+  double nearest = (1 - counts.own(surface.share[i])) * tuned.tension_from;
+  if (!(nearest > tuned.no_tension_to)) return 0;
   if (!surface.in_reach[static_cast<std::size_t>(i)] && surface.share[i] == 0) return 1;
   const auto columns = far.row(i);
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
   for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
-    if (const double share = surface.share[columns[e]]; share > 0)
-      nearest = std::min(nearest, 1 / (far.inverse_of(first + static_cast<std::int64_t>(e)) * spacing) +
+    if (const double share = surface.share[columns[e]]; counts.is_any(share))
+      nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)) / spacing +
                                       (1 - share) * tuned.tension_from);
   return std::clamp((nearest - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to), 0.0, 1.0);
 }
@@ -46,11 +57,12 @@ double depth_share(const auto& surface, const Neighbours& far, std::int64_t wate
 /// Computes `depth_share` of all water.
 template <int dim>
 void LeastSquaresScheme<dim>::find_depth(const Boundary<dim>& boundary, const Neighbours& far) {
-  mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several());
+  mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several(), {p_.submerged});
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i)
     if (ranks_.owns(i))
-      surface_.deep[i] = static_cast<float>(depth_share(surface_, far, boundary.water(), p_.spacing, i));
+      surface_.deep[i] =
+          static_cast<float>(depth_share(surface_, far, boundary.water(), p_.spacing, i, {p_.submerged}));
   ranks_.update(surface_.deep);
 }
 
@@ -67,13 +79,14 @@ void LeastSquaresScheme<dim>::limit_tension(const Boundary<dim>& boundary, State
     equation_.tension = surface_.deep;
   else {
     equation_.tension.setZero(boundary.water());
-    mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several());
+    mark_surface_in_reach(surface_, far, boundary.water(), ranks_.several(), {p_.submerged});
   }
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (!ranks_.owns(i) || state.pressure[i] > 0) continue;
-    const double share =
-        p_.submerged ? surface_.deep[i] : depth_share(surface_, far, boundary.water(), p_.spacing, i);
+    const double share = p_.submerged
+                             ? surface_.deep[i]
+                             : depth_share(surface_, far, boundary.water(), p_.spacing, i, {p_.submerged});
     const double limited = std::max(share * state.pressure[i], -most);
     if (share < 1 || limited > state.pressure[i])
       equation_.limited[static_cast<std::size_t>(i)] = Limit::tension;

@@ -154,7 +154,9 @@ TEST(LeastSquaresScheme, WaterThatPassesASharpCornerDoesNotChangeTheFluxThereAtO
 /// The part of a small tension that deep water keeps at that distance [l0] from its place in the lattice. Its
 /// neighbours leave an opening on the other side, which counts as a little surface at last.
 double tension_beside_an_opening(double moved) {
-  Column column(incompressible(0.01), 0);
+  Parameters p = incompressible(0.01);
+  p.submerged = true;
+  Column column(p, 0);
   const std::int64_t watched = column.nearest({-0.005, -0.065});
   column.state.position(0, watched) += 0.01 * moved;
   column.measure();
