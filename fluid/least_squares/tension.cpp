@@ -8,11 +8,11 @@ namespace strake::fluid {
 
 namespace {
 
-/// How a particle counts as free surface in D_s. Beside a body that stood in the water with its share σ:
-/// inside the water σ passes zero and one all the time, by a little, and D_s, with the tension of the water
-/// and the velocity past curved faces, may not jump by that. Else a neighbour counts with σ = 1 alone, and a
-/// particle with any σ lies at the surface itself: the jets of a body that enters the water have σ between,
-/// and tension in them drew water into the body.
+/// How a particle counts as free surface in D_s. Beside a body that stood in the water it counts with its
+/// share σ. Inside the water σ passes zero and one all the time, by a little. D_s may not jump by that: with
+/// it jump the tension of the water and the velocity past curved faces. Beside other bodies a neighbour
+/// counts with σ = 1 alone, and a particle with any σ lies at the surface itself. Their jets have σ between;
+/// tension in these drew water into the body.
 struct SurfaceInDepth {
   bool by_share;
   bool is_any(double share) const { return by_share ? share > 0 : share >= 1; }
