@@ -339,7 +339,7 @@ double BodySurface3d::way_around(const Vector3& a, int near_a, const Vector3& b,
 
 // Water before a keel or a blunt edge lies past both faces, and must have one of them (F85). It
 // has the nearer: at the height h over a face, the plane that halves the angle α lies h tan((π − α)/2) past
-// the edge. The edge nearest to the foot of x counts.
+// the edge. The edge nearest to the foot of x counts; of two as near, where they meet, a sharp one.
 bool BodySurface3d::faces(int k, const Vector3& x) const {
   if (holds(k, x)) return true;
   const Vector3 arm = x - point_.col(k);
@@ -347,7 +347,7 @@ bool BodySurface3d::faces(int k, const Vector3& x) const {
   if (!(height > 0)) return false;
   double past = std::numeric_limits<double>::infinity(), allowed = 0;
   for_each_near_edge(near_edges_, k, x, [&](const LocalEdge& edge, double away, const Vector3&) {
-    if (away > past || (away == past && edge.lean > 0)) return;
+    if (away > past * (1 + tie) || (away > past * (1 - tie) && edge.lean > 0)) return;
     past = away;
     allowed = height * edge.lean;
   });
