@@ -54,6 +54,13 @@ Scatter scatter_of(const std::vector<double>& force, std::size_t from) {
   return {std::sqrt(squares / count) / (sum / count), least};
 }
 
+/// The same of a section that is driven for that many steps, printed with its name.
+Scatter scatter_of(const char* section, const Places& corner, int steps, std::size_t from) {
+  const Scatter found = scatter_of(forces(corner, steps), from);
+  fmt::print("{}: scatter {:.3f} of the mean, least {:.2f}\n", section, found.rms, found.least);
+  return found;
+}
+
 Places arc(double from, double to) {
   Places out;
   for (double angle = from; angle < to + 1; angle += 5)
@@ -82,9 +89,7 @@ TEST(EnteringSections, ARoundBottomUnderADeckHasTheForceOfAWholeCylinder) {
 TEST(EnteringSections, WaterPassesTheKnucklesOfABowWithoutBlows) {
   Places bow = {{0, 0}, {0.06, 0.017}, {0.1, 0.057}, {0.13, 0.107}, {0.2, 0.177}, {0.2, 0.227}};
   for (std::size_t k = bow.size() - 1; k > 0; --k) bow.emplace_back(-bow[k].x(), bow[k].y());
-  const std::vector<double> force = forces(bow, 125);
-  const auto [rms, least] = scatter_of(force, 30);
-  fmt::print("bow: scatter {:.2f} of the mean, least {:.2f}\n", rms, least);
+  const auto [rms, least] = scatter_of("bow", bow, 125, 30);
   EXPECT_LT(rms, 0.2);
   EXPECT_GT(least, 0.4);
 }
@@ -93,8 +98,7 @@ TEST(EnteringSections, WaterPassesTheKnucklesOfABowWithoutBlows) {
 // and let it go again a spacing away: the force rose and fell by a sixth of its mean.
 TEST(EnteringSections, WaterLeavesTheChinesOfAFlaredVWithoutBlows) {
   const Places flared = {{0, 0}, {R, 0.0546}, {R + 0.0437, 0.1746}, {-R - 0.0437, 0.1746}, {-R, 0.0546}};
-  const auto [rms, least] = scatter_of(forces(flared, 170), 70);
-  fmt::print("V of 20 degrees, sides of 70: scatter {:.3f} of the mean, least {:.2f}\n", rms, least);
+  const auto [rms, least] = scatter_of("V of 20 degrees, sides of 70", flared, 170, 70);
   EXPECT_LT(rms, 0.12);
   EXPECT_GT(least, 0.6);
 }
@@ -105,8 +109,7 @@ TEST(EnteringSections, WaterLeavesTheFlaredSidesOfAFlatBottomThatHeels) {
   const Eigen::Rotation2Dd heel(4 / 180.0 * std::numbers::pi);
   Places flared = {{R, 0}, {R + 0.0693, 0.12}, {-R - 0.0693, 0.12}, {-R, 0}};
   for (auto& x : flared) x = heel * x + Eigen::Vector2d(0, R * std::sin(heel.angle()));
-  const auto [rms, least] = scatter_of(forces(flared, 160), 80);
-  fmt::print("flat bottom with flared sides, heeled: scatter {:.3f} of the mean, least {:.2f}\n", rms, least);
+  const auto [rms, least] = scatter_of("flat bottom with flared sides, heeled", flared, 160, 80);
   EXPECT_LT(rms, 0.12);
   EXPECT_GT(least, 0.6);
 }
@@ -117,8 +120,7 @@ TEST(EnteringSections, WaterCrossesTheKeelOfAVThatHeelsWithoutBlows) {
   const Eigen::Rotation2Dd heel(12 / 180.0 * std::numbers::pi);
   Places vee = {{0, 0}, {R, 0.0546}, {R, 0.1746}, {-R, 0.1746}, {-R, 0.0546}};
   for (auto& x : vee) x = heel * x;
-  const auto [rms, least] = scatter_of(forces(vee, 200), 90);
-  fmt::print("V of 20 degrees, heeled by 12: scatter {:.3f} of the mean, least {:.2f}\n", rms, least);
+  const auto [rms, least] = scatter_of("V of 20 degrees, heeled by 12", vee, 200, 90);
   EXPECT_LT(rms, 0.065);
   EXPECT_GT(least, 0.75);
 }
