@@ -49,6 +49,7 @@ struct LeastSquaresConstants {
 
   // Limits on the pressure (F46).
   double no_tension_to = 1.6;       // [l0] distance to the surface up to which p ≥ 0. Chosen
+  double no_tension_beside = 0.8;   // [l0] where a body stood in the water. Chosen; 0.16: the same rolls
   double tension_from = 3.1;        // [l0] from here on tension counts in full: the Laplacian's radius
   double largest_tension = 0.99e5;  // [Pa] atmosphere less the pressure of vapour
 

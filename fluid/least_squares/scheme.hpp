@@ -125,7 +125,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     Eigen::VectorXf kappa;         // κ
     Eigen::VectorXf slope_weight;  // b/D [1/m]
     Eigen::VectorXf share;         // σ
-    Eigen::VectorXf deep;  // of `submerged`: 0 to 1.6 l0 from the surface, 1 from 3.1 l0 on; see `find_depth`
+    Eigen::VectorXf deep;  // of `submerged`: 0 to 0.8 l0 from the surface, 1 from 3.1 l0 on; see `find_depth`
     std::vector<std::uint8_t> in_reach;  // scratch of `find_depth`: surface within the far rows
   };
   /// What one particle's equation gets from one face newly met, or from all of them.

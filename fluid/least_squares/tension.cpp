@@ -15,6 +15,10 @@ namespace {
 /// tension in these drew water into the body.
 struct SurfaceInDepth {
   bool by_share;
+  double no_tension_to() const {
+    const LeastSquaresConstants& tuned = least_squares_constants();
+    return by_share ? tuned.no_tension_beside : tuned.no_tension_to;
+  }
   bool is_any(double share) const { return by_share ? share > 0 : share >= 1; }
   double own(double share) const { return by_share || share == 0 ? share : 1; }
 };
@@ -35,21 +39,23 @@ void mark_surface_in_reach(auto& surface, const Neighbours& far, std::int64_t wa
   }
 }
 
-/// Returns (D_s/l0 − 1.6)/1.5 within 0 and 1, D_s the distance of particle i from the free surface (F46),
+/// Returns (D_s/l0 − a)/(3.1 − a) within 0 and 1, a = 0.8 beside a body that stood in the water, else 1.6,
+/// and D_s the distance of particle i from the free surface (F46),
 ///   D_s = min_j ( r_ij + (1 − σ_j) 3.1 l0 ) ,   j = i with r = 0 and the water within 3.1 l0.
 double depth_share(const auto& surface, const Neighbours& far, std::int64_t water, double spacing,
                    std::int64_t i, SurfaceInDepth counts) {
-  const LeastSquaresConstants& tuned = least_squares_constants();
-  double nearest = (1 - counts.own(surface.share[i])) * tuned.tension_from;
-  if (!(nearest > tuned.no_tension_to)) return 0;
+  const double from = least_squares_constants().tension_from;
+  const double none_to = counts.no_tension_to();
+  double nearest = (1 - counts.own(surface.share[i])) * from;
+  if (!(nearest > none_to)) return 0;
   if (!surface.in_reach[static_cast<std::size_t>(i)] && surface.share[i] == 0) return 1;
   const auto columns = far.row(i);
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
   for (std::size_t e = 0; e < columns.size() && columns[e] < water; ++e)
     if (const double share = surface.share[columns[e]]; counts.is_any(share))
-      nearest = std::min(nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)) / spacing +
-                                      (1 - share) * tuned.tension_from);
-  return std::clamp((nearest - tuned.no_tension_to) / (tuned.tension_from - tuned.no_tension_to), 0.0, 1.0);
+      nearest = std::min(
+          nearest, 1 / far.inverse_of(first + static_cast<std::int64_t>(e)) / spacing + (1 - share) * from);
+  return std::clamp((nearest - none_to) / (from - none_to), 0.0, 1.0);
 }
 
 }  // namespace

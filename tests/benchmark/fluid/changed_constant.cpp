@@ -1,6 +1,7 @@
-// One tuned number of the least-squares scheme is multiplied before main() begins. Compiled with fluid/main.cpp
-// into the program strake-fluid-constants, which tests/benchmark/constants.py runs in the place of strake-fluid.
-// STRAKE_CONSTANT="NAME FACTOR" says which; without it nothing changes. Exit 2: no such number.
+// One tuned number of the least-squares scheme is multiplied before main() begins. Compiled with
+// fluid/main.cpp into the program strake-fluid-constants, which tests/benchmark/constants.py runs in the
+// place of strake-fluid. STRAKE_CONSTANT="NAME FACTOR" says which; without it nothing changes. Exit 2: no
+// such number.
 #include "fluid/least_squares/constants.hpp"
 
 #include <cstdlib>
@@ -43,6 +44,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"alike", &LeastSquaresConstants::alike},
     {"one_plane", &LeastSquaresConstants::one_plane},
     {"no_tension_to", &LeastSquaresConstants::no_tension_to},
+    {"no_tension_beside", &LeastSquaresConstants::no_tension_beside},
     {"tension_from", &LeastSquaresConstants::tension_from},
     {"largest_tension", &LeastSquaresConstants::largest_tension},
     {"lack", &LeastSquaresConstants::lack},
@@ -54,7 +56,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 39 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 40 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");
@@ -64,7 +66,8 @@ const bool changed = [] {
   double factor = 0;
   const auto known = words >> name >> factor ? numbers.find(name) : numbers.end();
   if (known == numbers.end()) {
-    std::cerr << "STRAKE_CONSTANT=\"" << asked << "\": expected a name of fluid/least_squares/constants.hpp and a factor\n";
+    std::cerr << "STRAKE_CONSTANT=\"" << asked
+              << "\": expected a name of fluid/least_squares/constants.hpp and a factor\n";
     std::exit(2);
   }
   strake::fluid::least_squares_constants().*known->second *= factor;

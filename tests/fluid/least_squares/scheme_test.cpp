@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -181,6 +182,29 @@ TEST(LeastSquaresScheme, TensionOfDeepWaterFadesWhereALittleSurfaceComesUp) {
   }
   EXPECT_LT(before, 0.5);
   EXPECT_LT(largest, 0.15);
+}
+
+/// The part of a small tension that water so many spacings under the two rows of the surface (σ = 1) keeps.
+double tension_under_the_surface(int rows, bool submerged) {
+  Parameters p = incompressible(0.01);
+  p.submerged = submerged;
+  Column column(p, 0);
+  PressureSystem system;
+  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
+                         system);
+  constexpr double tension = -0.01;  // below ρu² of the water that has just begun to fall
+  column.state.pressure.setConstant(tension);
+  column.scheme.limit_tension(column.boundary, column.state, *column.far);
+  return column.state.pressure[column.nearest({-0.005, -0.015 - 0.01 * rows})] / tension;
+}
+
+// Within 1.6 l0 of the surface the water beside a section that rolls was let go of where its side slowed
+// down.
+TEST(LeastSquaresScheme, TensionHoldsTheRowUnderTheSurfaceBesideABodyThatStoodInTheWater) {
+  for (const int row : {0, 1, 2}) {
+    EXPECT_NEAR(tension_under_the_surface(row, true), std::max(0.0, (row - 0.8) / 2.3), 1e-6) << row;
+    EXPECT_NEAR(tension_under_the_surface(row, false), std::max(0.0, (row - 1.6) / 1.5), 1e-6) << row;
+  }
 }
 
 TEST(LeastSquaresScheme, FaceOfTheFloorCarriesTheWholeDepth) {
