@@ -106,6 +106,15 @@ std::vector<std::string> level_face_lines(const Parameters& p, double window, co
   return {line};
 }
 
+/// Gauges of a tank that moves: a line that says that they do not move with it; else nothing.
+std::vector<std::string> gauge_lines(const Parameters& p) {
+  std::string names;
+  for (const ProbeKeys& probe : p.probes)
+    if (reads_water(probe)) names += (names.empty() ? "" : ", ") + probe.name;
+  if (names.empty() || !p.motion.moves()) return {};
+  return {fmt::format("output.probe {}: stays where it is while the tank moves", names)};
+}
+
 template <int dim>
 Points in_space(const Vectors<dim>& value) {
   Points points = Points::Zero(3, value.cols());
@@ -142,6 +151,7 @@ FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const Comm
        level_face_lines(parameters_, common.window, setup.partner_mesh,
                         parameters_.submerged ? 0 : std::max(start_speeds_.entry, common.chosen.by_table)))
     description_.lines.push_back(std::move(line));
+  for (std::string& line : gauge_lines(parameters_)) description_.lines.push_back(std::move(line));
   if (parameters_.air.layer) description_.lines.push_back(air_line());
   description_.columns = columns();
   Communicator* const several = simulation_.ranks().communicator();

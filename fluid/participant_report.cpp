@@ -303,7 +303,8 @@ GuardScales FluidParticipant<dim>::guard_scales() const {
           .tank_speed = tank_speed(p),
           .water_speed = start_speeds_.water,
           .enters = start_speeds_.entry > 0,
-          .submerged = p.submerged};
+          .submerged = p.submerged,
+          .has_faces = p.interface != "volume"};
 }
 
 template <int dim>

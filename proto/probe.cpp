@@ -148,7 +148,7 @@ void ProbeRecord::report(const std::string& name, std::map<std::string, double>&
   const auto put_peak = [&](const std::string& what, const std::optional<Peak>& value) {
     if (!value) return;
     monitor[name + ":" + what] = value->value;
-    monitor[name + ":time_of_" + what] = value->time;
+    if (value->value != 0) monitor[name + ":time_of_" + what] = value->time;  // zeros have no peak
   };
   put_peak("first_peak", first_peak());
   put_peak("peak", peak());

@@ -143,6 +143,7 @@ std::string mechanism(const Parameters& p) {
 std::vector<std::string> describe(const Solver& solver, const Parameters& p, const CommonKeys& common) {
   std::vector<std::string> lines = solver.lines();
   if (std::string note = mechanism(p); !note.empty()) lines.push_back(std::move(note));
+  for (std::string& note : notes_on_unheld(p)) lines.push_back(std::move(note));
   if (p.analysis == Analysis::dynamic && !std::isinf(solver.stable_dt()))
     lines.push_back(fmt::format("{:.0f} sub-steps in a window of {:.4g} s", steps_in_window(solver, common),
                                 common.window));

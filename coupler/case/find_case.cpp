@@ -78,11 +78,24 @@ fs::path find_case(const fs::path& named) {
   throw no_such_case(name, folder);
 }
 
+namespace {
+
+void refuse_study(const CaseFile& file) {
+  if (!file.has("case") || !file.has("axis")) return;
+  const std::string path = file.path().string();
+  throw Error(ExitCode::case_file, path, "is a study, not a case", "strake study " + path);
+}
+
+}  // namespace
+
+void refuse_study(const fs::path& path) {
+  if (is_file(path)) refuse_study(CaseFile::load(path));
+}
+
 CaseFile load_no_study(const fs::path& path, const std::vector<std::string>& sets) {
   CaseFile file = CaseFile::load(path, sets);
-  if (!file.has("case") || !file.has("axis")) return file;
-  throw Error(ExitCode::case_file, file.path().string(), "is a study, not a case",
-              "strake study " + file.path().string());
+  refuse_study(file);
+  return file;
 }
 
 }  // namespace strake

@@ -16,6 +16,9 @@ std::filesystem::path find_case(const std::filesystem::path& named);
 /// Reads the file of a case. Error(case_file) for a study, which names a case and what varies.
 CaseFile load_no_study(const std::filesystem::path&, const std::vector<std::string>& sets);
 
+/// Throws Error(case_file) for the file of a study. Passes over what is no file.
+void refuse_study(const std::filesystem::path&);
+
 /// Folder of Strake's own cases: share/strake/cases of an installation, or cases of the source tree above a
 /// build. Empty if there is none.
 std::filesystem::path cases_folder();

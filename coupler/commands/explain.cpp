@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <string_view>
 
 namespace strake {
 
@@ -118,10 +119,22 @@ std::vector<KeyInfo> below(const std::vector<KeyInfo>& keys, const std::string& 
               near.empty() ? "`strake explain` lists every key" : "did you mean " + near + "?");
 }
 
+/// An error names a key by its place in a list, "attachments[0].at": it is attachments[].at.
+std::string without_places(const std::string& key) {
+  std::string declared;
+  bool inside = false;  // of brackets
+  for (const char c : key) {
+    inside = c != ']' && (inside || c == '[');
+    if (!inside || c == '[') declared += c;
+  }
+  constexpr std::string_view bodies = "structures[]";
+  return declared.starts_with(bodies) ? "structure" + declared.substr(bodies.size()) : declared;
+}
+
 }  // namespace
 
 ExitCode explain(const ExplainOptions& options) {
-  const std::string& key = options.key;
+  const std::string key = without_places(options.key);
   const Declarations all = collect_declarations();
   if (options.schema) {
     put(stdout, case_schema(all.keys));

@@ -1,4 +1,5 @@
 #include "coupler/case/case_view.hpp"
+#include "coupler/case/find_case.hpp"
 #include "coupler/case/rank_threads.hpp"
 #include "coupler/case/side_programs.hpp"
 #include "coupler/commands/commands.hpp"
@@ -300,8 +301,7 @@ class Run {
   }
 
   void fail(const Error& error) noexcept {
-    // The error that stopped the run is rethrown. A trace that cannot be written is less important than that
-    // error.
+    // The error that stopped the run is rethrown: it counts more than a trace that cannot be written.
     const auto attempt = [](const auto& write) {
       try {
         write();
@@ -313,8 +313,7 @@ class Run {
       if (messages_.log) messages_.log->error(to_text(error));
       messages_.reporter.error(error);
     });
-    // Removes the folder of a case that was refused while its participants were set up. The corrected case
-    // may then take its name.
+    // A refused case leaves no folder: the corrected one may take its name.
     if (!started_ && !options_.folder.resume &&
         (error.code() == ExitCode::case_file || error.code() == ExitCode::command_line)) {
       messages_.log.reset();
@@ -384,6 +383,7 @@ ExitCode run(const RunOptions& options, const StopRequest& stop) {
   std::optional<CaseView> view;
   std::optional<Run> run;
   try {
+    refuse_study(options.case_file);
     std::error_code none;  // of a folder, the reader of the case says that it is no case
     if (!options.folder.first_free_tag && !std::filesystem::is_directory(options.case_file, none))
       find_run_folder(options.case_file, options.folder);  // the quickest refusal first

@@ -95,7 +95,7 @@ std::optional<double> from_history(const CompareBlock& block, const std::string&
   }
   if (metric == "peak" || metric == "time_of_peak") {
     const auto point = largest(*data.history, block.probe, from, to);
-    if (!point) return std::nullopt;
+    if (!point || (metric == "time_of_peak" && point->value == 0)) return std::nullopt;
     return metric == "peak" ? point->value : point->time;
   }
   if (metric == "mean") {

@@ -179,7 +179,8 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
     }
     const auto point = peak_of(r, name.ends_with("first_peak"));
     if (!point) return std::nullopt;
-    return name.starts_with("time_of") ? point->time - result.origin[r] : point->value;
+    if (!name.starts_with("time_of")) return point->value;
+    return point->value != 0 ? std::optional(point->time - result.origin[r]) : std::nullopt;  // of zeros none
   };
   for (const std::string& name : record_metrics()) {
     std::vector<std::optional<double>> values;

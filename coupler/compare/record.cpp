@@ -69,7 +69,8 @@ bool tells_of_place(const std::string& column) {
 /// A peak of summary.json: value and time, where both are numbers.
 std::optional<CurvePoint> told_peak(const Json& probe, const std::string& metric) {
   const auto value = number_of(probe, metric), time = number_of(probe, "time_of_" + metric);
-  return value && time ? std::optional(CurvePoint{.time = *time, .value = *value}) : std::nullopt;
+  if (!value || !(time || *value == 0)) return std::nullopt;  // zeros have no time of their peak
+  return CurvePoint{.time = time.value_or(0), .value = *value};
 }
 
 /// q_k with the largest |q| of value, least and most, row by row; the value alone where the rows differ.
@@ -107,6 +108,20 @@ bool is_load(const std::string& column) {
   const std::string vector = column.substr(0, column.rfind('.'));  // of several bodies "left.force"
   const std::string last = vector.substr(vector.rfind('.') + 1);
   return vector != column && (last == "force" || last == "moment");
+}
+
+bool is_moment(const std::string& column) {
+  return column.starts_with("moment.") || column.find(".moment") != std::string::npos;
+}
+
+std::string vector_of(const std::string& column) {
+  if (is_moment(column)) {
+    const std::string of = column.substr(0, column.find("moment"));
+    return of + (of.ends_with("body.") ? "f" : "force.");
+  }
+  for (const char* last : {".x", ".y", ".z", ".fx", ".fy", ".fz", ".vx", ".vy", ".vz"})
+    if (column.ends_with(last)) return column.substr(0, column.size() - 1);
+  return column;
 }
 
 SiUnit in_si(const std::string& unit) {

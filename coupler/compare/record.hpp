@@ -53,10 +53,18 @@ class RecordSource {
       peaks_;  // probe → first peak, peak; of summary.json
 };
 
-/// Whether a column of a run is a component of force or moment, the mean of its window. It is that on the body
+/// Whether a column of a run is a component of force or moment, the mean of its window. It is that on the
+/// body
 /// ("force.y") or on one of several ("left.force.y"), as a rigid body tells it ("body.fy", "body.moment"), or
 /// of an attachment ("mooring.force.y").
 bool is_load(const std::string& column);
+/// Whether a column is a moment, or a component of one.
+bool is_moment(const std::string& column);
+/// Returns the vector that a column is a component of: "force." of "force.x", "body.f" of "body.fx", else its
+/// own name. A moment counts by its lever arm, in metres, beside the force.
+std::string vector_of(const std::string& column);
+/// A component with this share of the largest one of its vector is round-off: it has no peak of its own.
+constexpr double round_off_share = 1e-6;
 /// A column over "time" without the rows in which one of them is empty; empty where there is no such column.
 Curve curve_of(const Table&, const std::string& column);
 

@@ -34,14 +34,14 @@ std::map<std::string, double> WindowReport::monitor() const {
   return merged;
 }
 
-std::vector<RankShare> rank_shares(const std::map<std::string, double>& monitor) {
+std::vector<RankShare> rank_shares(const std::map<std::string, double>& monitor, const std::string& body) {
   static const std::map<std::string, double RankShare::*> members = {
       {"busy", &RankShare::busy},           {"halo", &RankShare::halo},     {"waiting", &RankShare::waiting},
       {"particles", &RankShare::particles}, {"ghosts", &RankShare::ghosts}, {"memory", &RankShare::memory},
       {"sent", &RankShare::sent},           {"cpu", &RankShare::cpu}};
   std::vector<RankShare> shares;
   for (std::size_t rank = 0;; ++rank) {
-    const std::string prefix = fmt::format("ranks.{}.", rank);
+    const std::string prefix = fmt::format("{}{}ranks.{}.", body, body.empty() ? "" : ".", rank);
     if (!monitor.contains(prefix + "busy")) return shares;
     RankShare& share = shares.emplace_back();
     for (const auto& [name, member] : members)

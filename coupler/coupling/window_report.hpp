@@ -64,7 +64,9 @@ struct RankShare {
 };
 
 /// Returns the shares of all ranks in their order; none where a solver has one rank.
-std::vector<RankShare> rank_shares(const std::map<std::string, double>& monitor);
+/// body: whose ranks, of several bodies in one monitor ("left.ranks.0.busy"); empty: the solver's own.
+std::vector<RankShare> rank_shares(const std::map<std::string, double>& monitor,
+                                   const std::string& body = "");
 
 /// Returns the largest time of computing over the mean one.
 double imbalance(const std::vector<RankShare>&);

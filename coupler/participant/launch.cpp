@@ -115,11 +115,11 @@ class Spawn {
     pid_t pid = -1;
     const int failure = posix_spawn(&pid, program.c_str(), &files_, &attributes_, pointers(words).data(),
                                     pointers(settings).data());
-    if (failure != 0)
-      throw Error(ExitCode::participant_lost, program.string(),
-                  fmt::format("cannot be started: {}", std::strerror(failure)),
-                  failure == ENOEXEC ? "a script begins with its interpreter: #!/usr/bin/python3" : "");
-    return pid;
+    if (failure == 0) return pid;
+    const bool script = failure == ENOEXEC || (failure == ENOENT && access(program.c_str(), F_OK) == 0);
+    throw Error(ExitCode::participant_lost, program.string(),
+                fmt::format("cannot be started: {}", std::strerror(failure)),
+                script ? "a script begins with its interpreter: #!/usr/bin/python3" : "");
   }
 
  private:

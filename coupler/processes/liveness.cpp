@@ -121,8 +121,11 @@ void Participants::State::died(Member& m, const Exit& exit) {
   for (ExitCode own : {ExitCode::command_line, ExitCode::case_file, ExitCode::cannot_write})
     if (!m.connection.greeted && m.refusal.empty() && exit.signal == 0 && exit.code == static_cast<int>(own))
       code = own;
+  std::string fix = m.connection.greeted ? "" : m.fix_launcher();
+  if (!m.connection.greeted && fix.empty() && exit.signal == 0 && exit.code == 0)
+    fix = "a solver in Python ends with CLASS.main(); ";
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
-              (m.connection.greeted ? "" : m.fix_launcher()) + m.see_log());
+              fix + m.see_log());
 }
 
 namespace {

@@ -1,5 +1,6 @@
 // What the runs found: metrics against references, and checks.
 #include "coupler/compare/comparison.hpp"
+#include "coupler/compare/record.hpp"
 #include "coupler/plot/html.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "coupler/report/sections.hpp"
@@ -227,9 +228,6 @@ constexpr Check known_checks[] = {
      "below 0.77, likewise"},
 };
 
-/// A component of so much of its largest sister is round-off: it stands apart, folded away.
-constexpr double round_off = 1e-6;
-
 std::string grade_badge(const Recorded& run, const std::string& check) {
   const auto found = run.grades.find(check);
   if (found == run.grades.end() || found->second.grade.empty()) return {};
@@ -242,20 +240,6 @@ std::string grade_badge(const Recorded& run, const std::string& check) {
 }
 
 }  // namespace
-
-bool is_moment(const std::string& column) {
-  return column.starts_with("moment.") || column.find(".moment") != std::string::npos;
-}
-
-std::string vector_of(const std::string& column) {
-  if (is_moment(column)) {
-    const std::string of = column.substr(0, column.find("moment"));
-    return of + (of.ends_with("body.") ? "f" : "force.");
-  }
-  for (const char* last : {".x", ".y", ".z", ".fx", ".fy", ".fz", ".vx", ".vy", ".vz"})
-    if (column.ends_with(last)) return column.substr(0, column.size() - 1);
-  return column;
-}
 
 std::string metrics(const std::vector<Recorded>& runs) {
   std::vector<std::string> probes;
@@ -280,7 +264,7 @@ std::string metrics(const std::vector<Recorded>& runs) {
   for (const std::string& probe : probes) {
     const bool judged = std::any_of(references.begin(), references.end(),
                                     [&](const Reference& r) { return r.probe == probe; });
-    const bool noise = !judged && size(probe) <= round_off * largest[vector_of(probe)];
+    const bool noise = !judged && size(probe) <= round_off_share * largest[vector_of(probe)];
     (noise ? folded : body) += metric_table(runs, references, probe);
   }
   if (!folded.empty())

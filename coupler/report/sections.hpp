@@ -32,12 +32,6 @@ std::string alarms(const std::vector<Recorded>&);
 std::string resolution(const std::vector<Recorded>&);
 std::string how_to_run_again(const std::vector<Recorded>&);
 
-/// Whether a column is a moment, or a component of one.
-bool is_moment(const std::string& column);
-/// Returns the vector that a column is a component of: "force." of "force.x", "body.f" of "body.fx", else its
-/// own name. A moment counts by its lever arm, in metres, beside the force.
-std::string vector_of(const std::string& column);
-
 /// What a column is called above a table or a plot, and on its axis.
 struct Names {
   std::string title, axis;

@@ -16,7 +16,8 @@ std::vector<std::string> columns_without_record(const Table& history,
                                                 const std::vector<std::string>& recorded);
 
 /// Peak, first peak, impulse and last value of such a column by the lines of history.csv, "peak" → value. The
-/// impulse is that of forces and moments alone, over 300 µs after contact.
+/// impulse is that of forces and moments alone, over 300 µs after contact; so is their largest mean over
+/// 50 µs, where no window is longer than that. Zeros have a peak of 0 and no time of it.
 /// contact [s]: from where a first peak counts; none: contact was not met, nothing counts from it.
 std::map<std::string, double> metrics_of_column(const Table& history, const std::string& column,
                                                 std::optional<double> contact);

@@ -44,9 +44,9 @@ Json stages(const std::map<std::string, double>& monitor) {
 }
 
 /// What each rank of a solver has done; empty where it has one.
-Json ranks(const std::map<std::string, double>& monitor) {
+Json ranks(const std::map<std::string, double>& monitor, const std::string& body = "") {
   Json list = Json::array();
-  for (const RankShare& share : rank_shares(monitor))
+  for (const RankShare& share : rank_shares(monitor, body))
     list.push_back({{"busy", finite(share.busy)},
                     {"halo", finite(share.halo)},
                     {"waiting", finite(share.waiting)},
@@ -56,6 +56,15 @@ Json ranks(const std::map<std::string, double>& monitor) {
                     {"memory_bytes", std::llround(share.memory)},
                     {"sent_bytes", std::llround(share.sent)}});
   return list;
+}
+
+/// The ranks of both sides, and of each of several bodies that has ranks.
+Json all_ranks(const std::map<std::string, double>& fluid, const std::map<std::string, double>& structure,
+               const std::vector<std::string>& bodies) {
+  Json all = {{"fluid", ranks(fluid)}, {"structure", ranks(structure)}};
+  for (const std::string& body : bodies)
+    if (Json list = ranks(structure, body); !list.empty()) all[body] = std::move(list);
+  return all;
 }
 
 Json bytes(double value) {
@@ -142,6 +151,23 @@ void Summary::take_history(const Table& history) {
          metrics_of_column(history, column, std::isfinite(contact) ? std::optional(contact) : std::nullopt))
       results_[column + ":" + metric] = value;
   drop_peaks_of_the_start(history);
+  drop_peaks_of_round_off();
+}
+
+/// Which time round-off first falls by a fifth tells nothing.
+void Summary::drop_peaks_of_round_off() {
+  std::map<std::string, double> largest;  // by vector
+  const auto peak = [&](const std::string& probe) { return std::abs(at_or(results_, probe + ":peak")); };
+  for (const auto* names : {&probes_, &of_history_})
+    for (const std::string& probe : *names)
+      if (!is_moment(probe)) largest[vector_of(probe)] = std::max(largest[vector_of(probe)], peak(probe));
+  for (const auto* names : {&probes_, &of_history_})
+    for (const std::string& probe : *names) {
+      if (!results_.contains(probe + ":peak") || peak(probe) > round_off_share * largest[vector_of(probe)])
+        continue;
+      results_.erase(probe + ":first_peak");
+      results_.erase(probe + ":time_of_first_peak");
+    }
 }
 
 /// A quantity that falls from the value it began with has no first peak.
@@ -195,7 +221,7 @@ Json Summary::json() const {
                      {"fluid", stages(fluid_)},
                      {"structure", stages(structure_)},
                      {"coupler", coupler}};
-  json["ranks"] = {{"fluid", ranks(fluid_)}, {"structure", ranks(structure_)}};
+  json["ranks"] = all_ranks(fluid_, structure_, bodies);
   json["peak_memory_bytes"] = {{"fluid", bytes(at_or(fluid_, "memory.peak"))},
                                {"structure", bytes(at_or(structure_, "memory.peak"))},
                                {"coupler", bytes(coupler_memory)}};

@@ -59,6 +59,7 @@ class Summary {
   double contact_time() const;
   void drop_peaks_before_contact();
   void drop_peaks_of_the_start(const Table& history);
+  void drop_peaks_of_round_off();
   std::string case_, tag_;
   double time_ = 0;
   long windows_ = 0, iterations_ = 0, unconverged_ = 0, taken_back_ = 0;

@@ -205,7 +205,7 @@ void Guard::hollow(GuardRecord& record, double t, double openings) const {
 void Guard::report(const GuardRecord& record, std::map<std::string, double>& monitor) const {
   constexpr std::array<const char*, 7> parts = {"time", "x", "y", "z", "value", "bound", "step"};
   monitor["check.largest_speed"] = record.speed_share;
-  if (scales_.half_width > 0) monitor["check.largest_pressure"] = record.pressure_share;
+  if (scales_.half_width > 0 && scales_.has_faces) monitor["check.largest_pressure"] = record.pressure_share;
   bool any = false;
   for (int k = 0; k < alarm_kinds; ++k) {
     if (record.alarm(0, k) < 0) continue;

@@ -60,6 +60,7 @@ struct GuardScales {
   double water_speed = 0;  // largest that the case gives the water at t = 0 [m/s]
   bool enters = false;     // the body comes from outside the water
   bool submerged = false;  // it begins in the water
+  bool has_faces = true;   // the pressure on the body's faces is measured: in volume coupling it has none
 };
 
 /// What the guard keeps from t = 0 on. It is copied to rewind and written to resume, as Measurements is.

@@ -248,24 +248,26 @@ Error CaseFile::Document::wrong(const std::string& path, const std::string& expe
 Error CaseFile::Document::missing(const std::string& path, const std::string& expected,
                                   const std::string& sample) const {
   const auto [parent, key] = parent_and_name(path);
-  const toml::node* table = parent.empty() ? nullptr : at(parent);
+  const toml::node* table = parent.empty() ? static_cast<const toml::node*>(&root) : at(parent);
   // A required key with a misspelt name is both missing and unknown. The error on the unknown key is more
   // helpful.
   for (auto&& [there, node] : table && table->is_table() ? *table->as_table() : toml::table()) {
-    const std::string stranger = parent + "." + quoted_key(std::string(there.str()));
+    const std::string stranger = (parent.empty() ? "" : parent + ".") + quoted_key(std::string(there.str()));
     if (index.contains(stranger) || meant_key(std::string(there.str()), {key}).empty()) continue;
     const Set* set = set_of(stranger);
     return {ExitCode::case_file, set ? "--set " + set->argument : place(there.source().begin),
             shown(stranger) + " is not a key",
             fmt::format("did you mean {}?", key) +
-                (explained ? fmt::format("  (strake explain {})", parent) : "")};
+                (explained && !parent.empty() ? fmt::format("  (strake explain {})", parent) : "")};
   }
   std::string fix = fmt::format("add {} = {}", quoted_key(key), sample);
   if (const std::size_t bracket = parent.rfind('['); parent.ends_with(']'))
     fix += " to this [[" + parent.substr(0, bracket) + "]]";
   else if (!parent.empty())
     fix += " to [" + in_file(parent) + "]" + (in_file(parent) == parent ? "" : " of " + body);
-  if (table && table->source().begin.line > 0 && !set_of(parent))
+  if (parent == "structure.plate" && table == nullptr)  // nothing in the file speaks of a body
+    fix += "; water alone: solver = \"none\" in [structure]; another shape: strake explain structure";
+  if (table && !parent.empty() && table->source().begin.line > 0 && !set_of(parent))
     return {ExitCode::case_file, place(table->source().begin),
             shown(path) + " is missing\n" + excerpt(table->source().begin, expected), fix};
   if (parent.empty()) fix += " above the first [table]";

@@ -126,7 +126,9 @@ void CaseTable::choice(const std::string& name, std::string& value, const std::v
         throw d.wrong(d.expected + "; " + to_toml(*given) + " is not built yet", "choose another");
       } else {
         const std::string near = did_you_mean(*given, choices);
+        const bool program = key.or_path && given->find('.') != std::string::npos;
         throw d.wrong(d.expected, !near.empty()      ? "did you mean " + to_toml(near) + "?"
+                                  : program          ? d.name() + " = " + to_toml("./" + *given)
                                   : is_choice(value) ? d.name() + " = " + to_toml(value) + " is the default"
                                                      : "");
       }

@@ -47,6 +47,34 @@ bool is_elastic(const CommonKeys& keys) {
          keys.structure_solver == "ccx";
 }
 
+/// A program of the user's, or one with a preCICE adapter.
+bool is_foreign(const CommonKeys& keys) {
+  const std::string& solver = keys.structure_solver;
+  return !is_elastic(keys) && solver != "rigid" && solver != "replay" && solver != "none";
+}
+
+/// Whether the body may bend and be light.
+bool may_deform(const CommonKeys& keys) {
+  return is_elastic(keys) || is_foreign(keys) || keys.structure_solver == "replay";
+}
+
+/// The window of the run whose motion a replay plays [s]; 0 where nothing tells it.
+double recorded_window(const CaseFile& file, const CommonKeys& keys) {
+  const std::string run = file.text_at("structure.replay.run");
+  const std::filesystem::path recorded = file.folder() / run / "case.toml";
+  std::error_code ignored;
+  if (keys.structure_solver != "replay" || run.empty() ||
+      !std::filesystem::is_regular_file(recorded, ignored))
+    return 0;
+  try {
+    const CaseFile told = CaseFile::load(recorded);
+    const bool volume = told.text_at("coupling.interface") == "volume";
+    return first_of(told, volume ? "coupling.volume.window" : "coupling.surface.window", 0);
+  } catch (const Error&) {  // the structure's own program says what is wrong with the record
+    return 0;
+  }
+}
+
 bool falls_free(const CaseFile& file) {
   for (const char* way : {"x", "y", "z", "angle", "rotation"})
     if (file.is_true(std::string("structure.free.") + way)) return true;
@@ -94,7 +122,7 @@ bool may_move(const CaseFile& file, const CommonKeys& keys) {
     if (norm_of(file, path, 0) > 0) return true;
   if (file.has("structure.initial_velocity.file") || falls_free(file) || is_driven(file)) return true;
   // An elastic plate without supports is free as a whole.
-  return is_elastic(keys) && !file.has("structure.plate.supports") && !file.has("structure.box");
+  return may_deform(keys) && !file.has("structure.plate.supports") && !file.has("structure.box");
 }
 
 /// Whether a body of boxes stands on an edge or a corner: [structure.placed] turns all of its faces by more
@@ -120,7 +148,8 @@ bool may_fall_level(const CaseFile& file, const CommonKeys& keys) {
   const std::string& solver = keys.structure_solver;
   if (file.only_declares()) return true;
   if (solver == "none") return false;
-  if (!is_elastic(keys) && solver != "rigid") return true;
+  if (is_foreign(keys)) return !file.is_true("fluid.submerged");
+  if (solver == "replay" && recorded_window(file, keys) == 0) return true;
   for (const char* shape : {"mesh", "outline", "offsets", "wedge", "cylinder", "sphere"})
     if (file.has(std::string("structure.") + shape)) return false;
   if (norm_of(file, "structure.plate.angle", 0) > level_angle || is_turned(file)) return false;
@@ -205,7 +234,7 @@ double speed_of(const CaseFile& file, const CommonKeys& keys, const Moves& moves
                            norm_of(file, "structure.initial_velocity.value", 0), moves.by_table,
                            speed_against_water(file)});
   if (falls_free(file)) speed = speed_of_free_body(file, keys.end_time, speed, g);
-  if (is_elastic(keys) || is_driven(file) || speed == 0)
+  if (may_deform(keys) || is_driven(file) || speed == 0)
     speed = std::max(speed, std::sqrt(g * depth_of(file)));
   return speed;
 }
@@ -243,7 +272,7 @@ void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, doub
                                 choice.speed));
   if (g > 0)
     bound(choice, gravity_steps * 0.05 * std::sqrt(l0 / g), "four steps of the limit that gravity sets");
-  if (!is_elastic(keys)) return;
+  if (!is_elastic(keys) && !is_foreign(keys)) return;
   const double young = first_of(file, "structure.material.young", steel_young),
                density = first_of(file, "structure.material.density", steel_density);
   if (young > 0 && density > 0)
@@ -254,7 +283,7 @@ void bound_by_body(const CaseFile& file, const CommonKeys& keys, double l0, doub
 /// Keeps the window short against the sound of a thin layer of water, which a light body lets ring. Two rows
 /// have half a period of 4.1 l0/c.
 void bound_by_layers(const CaseFile& file, const CommonKeys& keys, double l0, WindowChoice& choice) {
-  if (!is_elastic(keys) && !falls_free(file)) return;
+  if (!may_deform(keys) && !falls_free(file)) return;
   // An infinite value is no number here.
   const bool incompressible = file.has("fluid.sound_speed") && file.numbers_at("fluid.sound_speed").empty(),
              limited = file.has("fluid.scheme.time_step");
@@ -295,10 +324,16 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
   const double l0 = first_of(file, "fluid.spacing", 0), g = norm_of(file, "fluid.gravity", 9.81);
   const bool by_turn = find_speeds(file, keys, g, choice);
   const std::string& solver = keys.structure_solver;
-  const bool own = is_elastic(keys) || solver == "rigid" || solver == "none";
+  const double recorded = recorded_window(file, keys);
+  const bool own = is_elastic(keys) || solver == "rigid" || solver == "none" || recorded > 0 ||
+                   (is_foreign(keys) && !choice.level);
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";
   if (!choice.known) {
-    choice.why = "the usual one where Strake does not know the flow: coupling.surface.window sets it";
+    choice.why =
+        is_foreign(keys)
+            ? "the usual one where only a program knows the body: fluid.submerged = true says that it stands "
+              "in the water, coupling.surface.window sets the window"
+            : "the usual one where Strake does not know the flow: coupling.surface.window sets it";
     return choice;
   }
   if (choice.level) {
@@ -316,6 +351,7 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
     choice.why = fmt::format("about {:g} rows of the history", rows);
     bound_by_body(file, keys, l0, g, by_turn, choice);
     bound_by_layers(file, keys, l0, choice);
+    bound(choice, recorded, "that of the run whose motion is played");
   }
   const double every = first_of(file, "output.every", 0);
   bound(choice, every, "as long as output.every");

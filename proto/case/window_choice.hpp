@@ -21,8 +21,8 @@ struct WindowChoice {
 /// Chooses the exchange window of surface coupling from what the case gives of fluid and structure.
 /// keys: title, preset, end_time, solvers and interface have been read. Declares no key.
 ///
-/// A level face that may meet the water, and what Strake does not know (a program of the user's, a replay,
-/// preset paper, no fluid) keep 1e-5 s, a level face at most 2 l0/c. Elsewhere the window is the shortest of
+/// A level face that may meet the water, and what Strake does not know (a program's body out of the water, a
+/// lost record, preset paper, no fluid) keep 1e-5 s, a level face at most 2 l0/c. Elsewhere the shortest of
 ///
 ///   0.05 l0 / U                 the body, or water with waves of its depth, moves a twentieth of a spacing
 ///   0.2 √(l0/g)                 four of the steps that gravity allows
@@ -30,7 +30,7 @@ struct WindowChoice {
 ///   2 l0 / c                    elastic or free bodies whose steps resolve sound, c Δt < l0: thin layers of
 ///                               water ring in longer windows (coupler/THEORY.md, section on windows)
 ///   end_time / 100              rows of the history
-///   output.every                if it is given
+///   output.every, and of a replay the window of its record
 ///
 /// rounded down to 1, 2, 2.5, 4 or 5 times a power of ten. U is the largest of the body's speed at t = 0, of
 /// that of a free body or of structure.motion.file later, and, for elastic or driven bodies, of √(g H). The

@@ -1,5 +1,6 @@
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/mesh_files/byte_order_mark.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 #include "proto/text.hpp"
 
@@ -64,7 +65,7 @@ class AbaqusReader {
     if (!in)
       throw Error(ExitCode::case_file, path_.string(), "cannot be read", "give the path of a mesh file");
     for (std::string line; std::getline(in, line);) {
-      ++number_;
+      if (++number_ == 1) line = std::string(without_byte_order_mark(line));
       if (line.rfind("**", 0) == 0 || line.find_first_not_of(" \t\r") == std::string::npos) continue;
       if (line[0] == '*')
         open_section(line);

@@ -1,5 +1,6 @@
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/mesh_files/byte_order_mark.hpp"
 #include "proto/mesh_files/mesh_text.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ class Lines {
   Lines(std::istream& in, std::string name) : in_(in), name_(std::move(name)) {}
   bool next(std::string& line) {
     if (!std::getline(in_, line)) return false;
-    ++number_;
+    if (++number_ == 1) line = std::string(without_byte_order_mark(line));
     if (!line.empty() && line.back() == '\r') line.pop_back();
     return true;
   }
@@ -183,19 +184,15 @@ void read_nodes_4(Lines& lines, MeshText& mesh) {
   }
 }
 
-/// A side of cells belongs to all its groups, as in format 2, which writes it once for each; a cell to the
-/// first one.
+/// An element of several groups stands there once for each, as format 2 writes it.
 void read_elements_4(Lines& lines, const Names& names, const Entities& entities, MeshText& mesh) {
   const long blocks = count(lines, "the number of blocks of elements");
-  std::vector<std::pair<int, MeshText::Element>> again;  // with their dimension
-  int highest = 0;
   for (long b = 0; b < blocks; ++b) {
     int dimension = 0, entity = 0, type = 0;
     long count = 0;
     auto head = lines.words("a block of elements");
     take(lines, head, "DIMENSION ENTITY TYPE COUNT", dimension, entity, type, count);
     const Kind kind = kind_of(lines, type);
-    highest = std::max(highest, dimension);
     const auto found = entities.find({dimension, entity});
     std::vector<std::string> groups;
     if (found != entities.end())
@@ -207,13 +204,11 @@ void read_elements_4(Lines& lines, const Names& names, const Entities& entities,
       take(lines, entry, "an element's number", number);
       add_element(lines, entry, kind, number, groups.front(), mesh);
       for (std::size_t g = 1; g < groups.size(); ++g) {
-        again.emplace_back(dimension, mesh.element.back());
-        again.back().second.group = groups[g];
+        mesh.element.push_back(mesh.element.back());
+        mesh.element.back().group = groups[g];
       }
     }
   }
-  for (auto& [dimension, element] : again)
-    if (dimension < highest) mesh.element.push_back(std::move(element));
 }
 
 /// The lines of a section that holds one text or number each: their number, then they.

@@ -2,6 +2,7 @@
 
 #include "proto/error.hpp"
 #include "proto/files/whole_file.hpp"
+#include "proto/mesh_files/byte_order_mark.hpp"
 #include "proto/text.hpp"
 #include "proto/visible.hpp"
 
@@ -151,8 +152,9 @@ bool is_stl(const std::filesystem::path& path) {
 Points read_stl(const std::filesystem::path& path) {
   const std::string file = path.string(), bytes = read_whole(path, largest_mesh, file);
   const bool sized = bytes.size() >= header && bytes.size() == header + record * binary_count(bytes);
+  const std::string_view text = without_byte_order_mark(bytes);
   const std::vector<double> corner =
-      !sized && looks_like_text(bytes) ? read_text(bytes, file) : read_binary(bytes, file);
+      !sized && looks_like_text(text) ? read_text(text, file) : read_binary(bytes, file);
   if (corner.empty()) throw wrong(file, "no triangles");
   Points points = Eigen::Map<const Points>(corner.data(), 3, static_cast<Eigen::Index>(corner.size() / 3));
   for (Eigen::Index k = 0; k < points.cols(); ++k)

@@ -150,4 +150,14 @@ std::string motions_left(const Solid& solid) {
                      motions.cols() == 1 ? "" : "s", motions.cols() == 1 ? "s" : "", joined(words, " and "));
 }
 
+std::vector<std::string> notes_on_unheld(const Parameters& p) {
+  std::vector<std::string> notes;
+  if (p.kind == "rigid" || p.kind == "replay" || has_supports(elastic_solid(p))) return notes;
+  if (p.kind == "ccx") notes.emplace_back(nothing_holds);
+  if (p.free.any())
+    notes.emplace_back(
+        "note: structure.free has no effect: a body without supports moves and turns in every direction");
+  return notes;
+}
+
 }  // namespace strake::structure

@@ -189,10 +189,28 @@ class MeshReader {
   std::vector<const MeshText::Element*> cells_;
 };
 
+/// A cell has one material, so that it is in one group. Sides may be in several.
+void refuse_cells_of_two_groups(const std::filesystem::path& path, const MeshText& text, int dimension) {
+  const std::set<std::string> kinds = dimension == 2
+                                          ? std::set<std::string>{"triangle", "quadrilateral"}
+                                          : std::set<std::string>{"tetrahedron", "hexahedron", "prism"};
+  std::map<long, const MeshText::Element*> first;
+  for (const MeshText::Element& element : text.element) {
+    if (!kinds.contains(element.kind)) continue;
+    const MeshText::Element& other = *first.emplace(element.number, &element).first->second;
+    if (element.group != other.group)
+      throw Error(ExitCode::case_file, fmt::format("{}:{}", path.string(), element.line),
+                  fmt::format("element {} is in two groups, \"{}\" and \"{}\": which material has it?",
+                              element.number, other.group, element.group),
+                  "give each cell one physical group");
+  }
+}
+
 }  // namespace
 
 Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material) {
   MeshText text = read_mesh_text(path);
+  refuse_cells_of_two_groups(path, text, dimension);
   if (has_simplices(text, dimension)) text = cut_into_quadrilaterals(text, dimension);
   return MeshReader(path, text, dimension).read(material);
 }

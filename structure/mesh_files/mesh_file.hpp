@@ -15,7 +15,7 @@ namespace strake::structure {
 /// are as exact as the mesh is fine. Triangles, tetrahedra and prisms are cut into such cells. Parts are the
 /// physical groups of cells (Abaqus: the element sets). Named faces are the physical groups of their sides
 /// (Abaqus: node sets; a facet belongs to the set that has all its nodes). Each named face stands in
-/// Solid::supported, free. All parts have the `material`.
+/// Solid::supported, free. All parts have the `material`. A side may be in several groups, a cell in one.
 ///
 /// Throws Error(case_file) with the line of the file that is wrong.
 Solid read_mesh(const std::filesystem::path&, int dimension, const Material&);

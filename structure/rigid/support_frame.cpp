@@ -1,5 +1,7 @@
 #include "structure/rigid/support_frame.hpp"
 
+#include "structure/body/mechanism.hpp"
+
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -82,7 +84,7 @@ std::map<std::string, double> frame_monitor(const SupportFrame& frame, int dimen
 }
 
 std::string frame_line(const SupportFrame& frame, int dimension) {
-  if (!frame.holds()) return "no supports   nothing holds the body: it moves by its inertia and its loads";
+  if (!frame.holds()) return nothing_holds;
   if (!tells(frame)) return {};
   std::string free;
   for (int axis = 0; axis < dimension; ++axis)

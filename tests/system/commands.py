@@ -258,6 +258,9 @@ def full_disk(place):
 
 
 def reference_of_keys():
+    for typed, key in (("attachments[0].spring.anchor", "attachments[].spring.anchor"), ("structures[1].solver", "structure.solver")):
+        told = strake("explain", typed, cwd=ROOT)
+        expect(told.returncode == 0 and key in told.stdout, f"explain {typed}, as an error names it\n{told.stdout}{told.stderr}")
     result = strake("explain", "--markdown", cwd=ROOT)
     if result.stderr:
         print("skip  proto/CASE_FILE.md: " + result.stderr.strip())

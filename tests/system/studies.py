@@ -46,6 +46,9 @@ def runs_all_then_nothing(place):
     for command in ("check", "run"):
         told = strake(command, "strip.toml", cwd=place)
         expect(told.returncode == 3 and "is a study, not a case" in told.stderr and "strake study strip.toml" in told.stderr, f"{command} of a study says so\n{told.stderr}")
+    (place / "above.toml").write_text(STUDY.replace('case = "', 'case = "strip.toml"  # "', 1))
+    told = strake("study", "above.toml", "--list", cwd=place)
+    expect(told.returncode == 3 and "strip.toml is a study" in told.stderr, f"a study of a study is refused before its runs\n{told.stderr}")
     expect(listed.returncode == 0 and listed.stdout.count("strake run") == 4, f"--list prints four commands\n{listed.stdout}{listed.stderr}")
     expect(not (place / "runs").exists(), "--list starts nothing")
     result = strake("study", "strip.toml", cwd=place)
@@ -87,7 +90,7 @@ def goes_on_after_ctrl_c(place):
         "structure.solver=particle", "run.checkpoint=0.3")
     slow = slow.replace("[[axis]]", 'set = ["end_time=0.4"]\n[[axis]]', 1)
     slow = slow[:slow.index("[[axis]]\nname = \"cells\"")]
-    (place / "slow.toml").write_text(slow)
+    (place / "slow.toml").write_text(slow + '[[column]]\nprobe = "never"\nmetric = "peak"\n')  # a missing run may have it
     study = start("study", "slow.toml", cwd=place)
     history = place / "runs" / "slow" / "still_tank-fem" / "history.csv"
     expect(wait_until(lambda: history.exists() and history.stat().st_size > 4000, 60), "the first run has come some way")
@@ -95,6 +98,7 @@ def goes_on_after_ctrl_c(place):
     out, _ = study.communicate(timeout=60)
     expect(study.returncode == 130, f"Ctrl-C: exit {study.returncode}\n{out}")
     expect("keep what they have" in out, "it says that runs keep what they have")
+    (place / "slow.toml").write_text(slow)
     again = strake("study", "slow.toml", cwd=place)
     expect(again.returncode == 0, f"the same command goes on: exit {again.returncode}\n{again.stdout}{again.stderr}")
     record = json.loads((place / "runs" / "slow" / "still_tank-fem" / "run.json").read_text())
@@ -104,6 +108,7 @@ def goes_on_after_ctrl_c(place):
 def wrong_files_are_refused(place):
     for change, words in (((("metric = \"final\"\ntolerance", "metric = \"final\"\ntolernce")), "tolernce"),
                           (("of = \"particle\"", "of = \"particel\""), "a label of axis solver: fem, particle"),
+                          (("title = \"strip\"", "titel = \"strip\""), "titel is not a key"),
                           (("case = \"", "case = \"nowhere"), "nowhere")):
         (place / "wrong.toml").write_text(STUDY.replace(*change))
         result = strake("study", "wrong.toml", cwd=place)

@@ -23,6 +23,7 @@ CASES = [
      ["wrong.toml:", "structure.wegde is not a key", "did you mean wedge?"]),
     ("a number with a decimal comma", "spacing = 0.01 ", 'spacing = "0,01" ', 3, ["fluid.spacing", "fix: spacing = 0.01"]),
     ("a solver that does not exist", 'solver = "fem"', 'solver = "femm"', 3, ["structure.solver", "fem"]),
+    ("a program without its folder", 'solver = "fem"', 'solver = "spring.py"', 3, ['fix: solver = "./spring.py"']),
     ("a syntax error", "end_time = 0.03", "end_time = = 0.03", 3, ["wrong.toml:"]),
     ("a missing required key", "end_time = 0.03", "", 3, ["end_time"]),
     ("a body outside the tank", "[0.0, 0.012, 0.0]", "[0.9, 0.012, 0.0]", 3, ["tank"]),
@@ -153,6 +154,13 @@ with folder() as place:
         result = strake(*words, cwd=place)
         expect(result.returncode == code, f"{what}: exit {result.returncode}, expected {code}\n{result.stderr.rstrip()}")
         expect(len(result.stderr.strip()) > 0, f"{what}: says something")
+
+    empty = place / "empty.py"
+    empty.write_text("#!/usr/bin/python3\n")
+    empty.chmod(0o755)
+    (place / "own.toml").write_text(ALONE.replace('"fem"', '"./empty.py"'))
+    own = strake("run", place / "own.toml", cwd=place)
+    expect(own.returncode == 5 and "ends with CLASS.main()" in own.stderr, f"a program that does nothing\n{own.stderr}")
 
     quick = ["run", ROOT / "cases" / "plate_entry.toml", "--set", "structure.solver=rigid", "--set", "end_time=2e-5"]
     first = strake(*quick, cwd=place)

@@ -341,6 +341,9 @@ Plan read_plan(const std::filesystem::path& path) {
   plan.file = path;
   root.text("title", plan.title, {.required = true, .help = "what the study asks"});
   root.file("case", plan.case_file, {.required = true, .help = "case file of every run"});
+  if (const CaseFile named = CaseFile::load(plan.case_file); named.has("case") && named.has("axis"))
+    throw root.error("case", fmt::format("a case: {} is a study", plan.case_file.filename().string()),
+                     "name the case that it varies");
   plan.case_file = std::filesystem::proximate(plan.case_file);  // as a user would type it
   root.integer("jobs", plan.jobs, {.min = 0, .help = "runs at once; 0: as many as there are cores"});
   std::vector<std::string> sets;

@@ -53,6 +53,13 @@ TEST(Comparison, TellsTheMetricsOfTwoSines) {
   EXPECT_FALSE(row_of(c, "l2").value[0]);
 }
 
+TEST(Comparison, ZerosHaveNoTimeOfTheirPeak) {
+  const auto zeros = record_of(1, 20, [](double) { return 0.0; });
+  const Comparison c = compare_records({zeros, zeros}, "q", {});
+  EXPECT_EQ(*row_of(c, "peak").value[0], 0);
+  EXPECT_FALSE(row_of(c, "time_of_peak").value[0]);
+}
+
 TEST(Comparison, UnitsOfMetricsFollowFromThatOfTheQuantity) {
   EXPECT_EQ(metric_unit("peak", "N/m"), "N/m");
   EXPECT_EQ(metric_unit("impulse", "Pa"), "Pa s");

@@ -1,6 +1,7 @@
 // Several bodies as one structure: what the scheme sees of them, and what each of them is given.
 #include "coupler/coupling/assembly.hpp"
 
+#include "coupler/coupling/window_report.hpp"
 #include "proto/error.hpp"
 #include "tests/method/coupling/coupling_models.hpp"
 
@@ -44,7 +45,7 @@ class Square : public models::Model<double> {
     if (sends_velocity_)
       answer.output.push_back(models::y_field("velocity", "m/s", VectorXd::Constant(4, 7)));
     answer.monitor = {{"energy", now_},   {"mid.y", now_},     {"mid.y:first_peak", 3}, {"seconds.step", 1},
-                      {"count.steps", 2}, {"memory.peak", 10}, {"check.drift", now_}};
+                      {"count.steps", 2}, {"memory.peak", 10}, {"check.drift", now_},   {"ranks.0.busy", 4}};
     return answer;
   }
   bool sends_velocity_;
@@ -100,6 +101,9 @@ TEST(Assembly, NamesColumnsAndAddsCounts) {
   EXPECT_EQ(answer.monitor.at("count.steps"), 4);
   EXPECT_EQ(answer.monitor.at("memory.peak"), 20);
   EXPECT_EQ(answer.monitor.at("check.drift"), 0);
+  ASSERT_EQ(rank_shares(answer.monitor, "right").size(), 1U) << "whose ranks";
+  EXPECT_EQ(rank_shares(answer.monitor, "right").front().busy, 4);
+  EXPECT_TRUE(rank_shares(answer.monitor).empty());
 }
 
 TEST(Assembly, TakesAllBackTogether) {

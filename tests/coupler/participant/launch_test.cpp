@@ -50,13 +50,15 @@ TEST_F(Launching, AProgramThatDoesNotExistIsAnErrorAtOnce) {
 
 TEST_F(Launching, AScriptWithoutAnInterpreterIsToldOfItsFirstLine) {
   const std::filesystem::path script = folder_ / "solver.py";
-  std::ofstream(script) << "print('hello')\n";
-  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
-  try {
-    Child child({script, {}, {}, 1, {}});
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_NE(e.fix().find("#!/usr/bin/python3"), std::string::npos) << e.problem();
+  for (const char* first_line : {"", "#!/usr/bin/pythn3\n"}) {
+    std::ofstream(script) << first_line << "print('hello')\n";
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    try {
+      Child child({script, {}, {}, 1, {}});
+      ADD_FAILURE() << first_line;
+    } catch (const Error& e) {
+      EXPECT_NE(e.fix().find("#!/usr/bin/python3"), std::string::npos) << e.problem();
+    }
   }
 }
 

@@ -167,6 +167,57 @@ TEST(Summary, TellsWhereAndWhenABodyFailsAndTheConsoleHearsItOnce) {
   EXPECT_TRUE(resumed.look(monitor).empty());
 }
 
+// The force along x of a symmetric body had a first peak of 0.6 mN beside 35 kN.
+TEST(Summary, RoundOffAndZerosHaveNoFirstPeakAndNoTime) {
+  Table history;
+  history.columns = {
+      {"time", "s"}, {"force.x", "N/m"}, {"force.y", "N/m"}, {"moment.z", "N"}, {"body.vx", "m/s"}};
+  history.value = {
+      {1, 2, 3, 4}, {1e-4, 9e-4, 1e-4, 0}, {1e3, 3e4, 2e3, 1e3}, {1e-5, 2e-5, 0, 0}, {0, 0, 0, 0}};
+  Summary summary("wedge", "");
+  summary.add(window_with(1, true, 0, 0));
+  summary.take_history(history);
+  const auto probes = summary.json()["probes"];
+  EXPECT_EQ(probes["force.y"]["first_peak"], 3e4);
+  EXPECT_TRUE(probes["force.x"]["first_peak"].is_null());
+  EXPECT_TRUE(probes["force.x"]["time_of_first_peak"].is_null());
+  EXPECT_EQ(probes["force.x"]["peak"], 9e-4);
+  EXPECT_TRUE(probes["moment.z"]["first_peak"].is_null());
+  EXPECT_EQ(probes["body.vx"]["peak"], 0);
+  EXPECT_TRUE(probes["body.vx"]["time_of_peak"].is_null());
+}
+
+TEST(Summary, TellsTheRanksOfEachOfSeveralBodies) {
+  CommittedWindow window = window_with(1, true, 0, 0);
+  window.report.structure["left.ranks.0.busy"] = 2;
+  window.report.structure["left.ranks.1.busy"] = 3;
+  Summary summary("case", "");
+  summary.bodies = {"left", "right"};
+  summary.add(window);
+  const auto ranks = summary.json()["ranks"];
+  ASSERT_EQ(ranks["left"].size(), 2U);
+  EXPECT_EQ(ranks["left"][1]["busy"], 3);
+  EXPECT_FALSE(ranks.contains("right")) << "it has one process";
+}
+
+// A block with mean_peak_50us of a force was never reached.
+TEST(HistoryMetrics, ALoadHasItsLargestMeanOf50MicrosecondsWhereWindowsTellIt) {
+  Table history;
+  history.columns = {{"time", "s"}, {"force.y", "N"}, {"body.y", "m"}};
+  history.value.resize(3);
+  for (int k = 1; k <= 30; ++k) {
+    history.value[0].push_back(1e-5 * k);
+    history.value[1].push_back(k == 15 ? 10 : k > 10 && k <= 20 ? 5 : 1);
+    history.value[2].push_back(k);
+  }
+  const auto found = metrics_of_column(history, "force.y", 5e-5);
+  ASSERT_TRUE(found.contains("mean_peak_50us"));
+  EXPECT_NEAR(found.at("mean_peak_50us"), (10 + 4 * 5) / 5.0, 1e-9);
+  EXPECT_FALSE(metrics_of_column(history, "body.y", 0).contains("mean_peak_50us")) << "no load";
+  for (double& t : history.value[0]) t *= 6;
+  EXPECT_FALSE(metrics_of_column(history, "force.y", 0).contains("mean_peak_50us")) << "longer windows";
+}
+
 TEST(Summary, TellsForceAndMomentAndForeignColumnsFromTheHistory) {
   Table history;
   history.columns = {{"window", "1"},   {"time", "s"},  {"force.y", "N/m"},     {"moment.z", "N"},

@@ -196,6 +196,16 @@ TEST(Guard, MissesTheWeightOfTheWaterOnABodyThatBeginsInIt) {
   EXPECT_FALSE(ramped.raised(Alarm::dry));
 }
 
+TEST(Guard, SaysNothingOfAPressureThatIsNotMeasured) {
+  GuardScales volume = water();
+  volume.has_faces = false;
+  std::map<std::string, double> with, without;
+  Guard(water()).report({}, with);
+  Guard(volume).report({}, without);
+  EXPECT_TRUE(with.contains("check.largest_pressure"));
+  EXPECT_FALSE(without.contains("check.largest_pressure"));
+}
+
 TEST(Guard, IsReadBackFromAnArchive) {
   Guard guard(water());
   GuardRecord written;

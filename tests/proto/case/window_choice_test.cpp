@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,22 @@ TEST(WindowChoice, ALevelFaceThatMeetsTheWaterKeepsAcousticWindows) {
   EXPECT_EQ(window_with({"structure.solver=replay"}), 1e-5);
   EXPECT_EQ(window_with(with(wedge, {"preset=paper"})), 1e-5);
   EXPECT_EQ(window_with({"fluid.solver=none"}), 1e-5);
+}
+
+// Such runs on slow water had windows of 1e-5 s, hundreds of times as many as the flow needs.
+TEST(WindowChoice, AReplayTakesTheWindowOfItsRecordAndAProgramInTheWaterThatOfTheFlow) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "case.toml") << "[coupling.surface]\nwindow = 1.0e-4\n";
+  const Sets replay =
+      with(wedge, {"structure.solver=replay", "structure.replay.run=" + folder.path().string()});
+  EXPECT_EQ(window_with(replay), 1e-4);
+  std::ofstream(folder / "case.toml") << "[coupling.surface]\nwindow = 3.0e-5\n";
+  EXPECT_EQ(window_with(replay), 2.5e-5);
+  EXPECT_FALSE(read_with(replay).chosen.level);
+  const Sets own = {"structure.solver=./own", "fluid.submerged=true"};
+  EXPECT_FALSE(read_with(own).chosen.level);
+  EXPECT_EQ(window_with(own), 2.5e-5) << "as steel of finite elements";
+  EXPECT_NE(read_with({"structure.solver=./own"}).chosen.why.find("fluid.submerged"), std::string::npos);
 }
 
 TEST(WindowChoice, OfSeveralBodiesAnyThatStartsAtRestAndMovesLaterIsKnown) {

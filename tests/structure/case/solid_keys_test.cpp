@@ -1,6 +1,7 @@
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
 #include "structure/body/mass.hpp"
+#include "structure/body/mechanism.hpp"
 #include "structure/body/parameters.hpp"
 #include "structure/body/surface.hpp"
 #include "structure/case/read_parameters.hpp"
@@ -269,6 +270,7 @@ TEST(BodyKeys, WrongMassesAndMotionsAreRefusedWithPlaceAndRemedy) {
   refuses("box = [{ name = \"floor\", min = [0, 0, 0], max = [1, 0.1, 1] }]\ndepth = 1\n",
           "their own lengths along z", {"fluid.dimension=3"}, "fem");
   refuses(plate + "mass = 3\n", "rigid bodies", {}, "fem");
+  refuses("", "water alone: solver = \"none\"", {}, "fem");
 }
 
 // What an elastic body's supports stand in moves by a table or freely, and turns by a table alone.
@@ -282,7 +284,12 @@ TEST(BodyKeys, TheFrameOfAnElasticBodyIsDrivenOrFree) {
       read_body(held + "free = { y = true }\nlumped = { mass = 3 }\nvelocity = [0, -2]\n", {}, "particle");
   EXPECT_TRUE(p.free.y);
   EXPECT_EQ(p.body.lumped_mass, 3);
-  EXPECT_NO_THROW(read_body(floating + "free = { y = true }\n", {}, "fem")) << "it floats as it is";
+  const std::string no_effect =
+      notes_on_unheld(read_body(floating + "free = { y = true }\n", {}, "fem")).at(0);
+  EXPECT_NE(no_effect.find("structure.free has no effect"), std::string::npos) << "it floats as it is";
+  EXPECT_EQ(notes_on_unheld(read_body(floating, {}, "ccx")), std::vector<std::string>{nothing_holds});
+  EXPECT_TRUE(notes_on_unheld(read_body(floating, {}, "fem")).empty()) << "it says so itself";
+  EXPECT_TRUE(notes_on_unheld(read_body(held + "free = { y = true }\n", {}, "ccx")).empty());
   refuses(held + "lumped = { mass = 3 }\n", "structure.free.y = true", {}, "fem");
   refuses(floating + "free = { y = true }\nlumped = { mass = 3 }\n", "no supports", {}, "fem");
   refuses(held + "free = { angle = true }\n", "turn by a table alone", {}, "fem");

@@ -40,6 +40,12 @@ std::string grouped(const std::string& line, const std::string& surface) {
   return two_cells("3\n1 7 \"clamp\"\n1 8 \"wet\"\n2 1 \"steel\"", line, surface);
 }
 
+/// A square as a part, and what stands between the parts and the end of the file.
+std::string part(const std::string& name, const std::string& left) {
+  return "*Part, name=" + name + "\n*Node\n1, " + left + ", 0.\n2, 1., 0.\n3, 1., 1.\n4, " + left +
+         ", 1.\n*Element, type=CPE4\n1, 1, 2, 3, 4\n*End Part\n";
+}
+
 // Physical Curve("clamp") = {-4} has the tag -7 in format 4.1: the sign tells the orientation.
 TEST_F(ExportedMesh, ATagWithTheSignOfItsEntityHasItsName) {
   const Solid solid = read("a.msh", grouped("1 -7", "1 -1"));
@@ -50,18 +56,24 @@ TEST_F(ExportedMesh, ATagWithTheSignOfItsEntityHasItsName) {
 
 // Format 2.2 has a side once for each of its groups, 4.1 a list of them.
 TEST_F(ExportedMesh, ASideBelongsToAllItsGroups) {
-  const Solid solid = read("a.msh", grouped("2 7 8", "2 1 9"));
+  const Solid solid = read("a.msh", grouped("2 7 8", "1 1"));
   ASSERT_EQ(solid.supported.size(), 2U);
   EXPECT_EQ(solid.supported[0].name, "clamp");
   EXPECT_EQ(solid.supported[1].name, "wet");
   EXPECT_EQ(solid.supported[0].facet, solid.supported[1].facet);
-  EXPECT_EQ(solid.cell.cols(), 2) << "a cell has one part, that of its first group";
 }
 
-/// A square as a part, and what stands between the parts and the end of the file.
-std::string part(const std::string& name, const std::string& left) {
-  return "*Part, name=" + name + "\n*Node\n1, " + left + ", 0.\n2, 1., 0.\n3, 1., 1.\n4, " + left +
-         ", 1.\n*Element, type=CPE4\n1, 1, 2, 3, 4\n*End Part\n";
+// It had the material of the group with the lowest number, and nothing said so.
+TEST_F(ExportedMesh, ACellInTwoGroupsIsRefused) {
+  const std::string found = complaint("a.msh", grouped("1 7", "2 1 9"));
+  EXPECT_NE(found.find("a.msh:36"), std::string::npos) << found;
+  EXPECT_NE(found.find("element 2 is in two groups, \"steel\" and \"9\""), std::string::npos) << found;
+}
+
+TEST_F(ExportedMesh, AByteOrderMarkIsPassedOver) {
+  const std::string mark = "\xef\xbb\xbf";
+  EXPECT_EQ(read("a.msh", mark + grouped("1 7", "1 1")).cell.cols(), 2);
+  EXPECT_EQ(complaint("a.inp", mark + part("one", "0.")), "");
 }
 
 TEST_F(ExportedMesh, PartsAndInstancesThatWouldMixAreRefused) {

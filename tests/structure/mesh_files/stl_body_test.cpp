@@ -136,6 +136,10 @@ TEST_F(Stl, ABoxHasItsMassAsTextAndAsBinary) {
   }
 }
 
+TEST_F(Stl, ATextWithAByteOrderMarkIsReadAsText) {
+  EXPECT_DOUBLE_EQ(volume_of(read("\xef\xbb\xbf" + text(cube))), 8);
+}
+
 TEST_F(Stl, ABinaryFileThatBeginsWithSolidIsReadAsBinary) {
   std::string bytes = binary(cube);
   bytes.replace(0, 5, "solid");
