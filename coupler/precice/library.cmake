@@ -5,9 +5,9 @@ find_package(EXPAT REQUIRED)
 set(precice ${CMAKE_CURRENT_LIST_DIR})
 set(STRAKE_PRECICE_VERSION 3.4.1)   # whose functions it has, as include/precice/Version.h says
 # What the configuration says: for the library, and for solvers of Strake in a preCICE run.
-strake_library(strake_precice_config INSTALLED SOURCES ${precice}/config/quantities.cpp
+strake_library(strake_precice_config INSTALLED TEXT SOURCES ${precice}/config/quantities.cpp
   ${precice}/config/precice_config.cpp ${precice}/config/xml_elements.cpp LINK strake_proto fmt::fmt EXPAT::EXPAT)
-strake_library(strake_precice_parts INSTALLED SOURCES ${precice}/exchanged_data.cpp ${precice}/solver_mesh.cpp
+strake_library(strake_precice_parts INSTALLED TEXT SOURCES ${precice}/exchanged_data.cpp ${precice}/solver_mesh.cpp
   LINK strake_precice_config strake_coupling_link)
 add_library(strake_precice SHARED ${precice}/participant.cpp ${precice}/participant_mesh.cpp
   ${precice}/participant_data.cpp ${precice}/tooling.cpp ${precice}/bindings_c.cpp ${precice}/bindings_fortran.cpp
@@ -15,10 +15,11 @@ add_library(strake_precice SHARED ${precice}/participant.cpp ${precice}/particip
 target_include_directories(strake_precice PRIVATE ${PROJECT_SOURCE_DIR} ${precice}/include)
 target_compile_definitions(strake_precice PRIVATE STRAKE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(strake_precice PRIVATE strake_precice_parts strake_warnings)
-set_target_properties(strake_precice PROPERTIES OUTPUT_NAME precice VERSION ${STRAKE_PRECICE_VERSION} SOVERSION 3
+set_target_properties(strake_precice PROPERTIES UNITY_BUILD ${STRAKE_UNITY} UNITY_BUILD_BATCH_SIZE 0 OUTPUT_NAME precice VERSION ${STRAKE_PRECICE_VERSION} SOVERSION 3
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/strake/precice LINK_DEPENDS ${precice}/exported_symbols.map)
 target_link_options(strake_precice PRIVATE -Wl,--version-script=${precice}/exported_symbols.map -Wl,-Bsymbolic
   -Wl,--no-undefined)
+target_compile_options(strake_precice PRIVATE -O1)
 strake_reuse_headers(strake_precice strake_installed_headers)
 
 # What an installation gets: everything in lib/strake/precice; the library is component "precice", what a solver is built with

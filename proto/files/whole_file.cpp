@@ -24,7 +24,7 @@ Error cannot_read(const std::string& where, int error_number) {
           error_number == EACCES || error_number == EPERM ? "check the file's permissions" : check_path};
 }
 
-void require_file(const struct stat& found, std::uintmax_t largest, const std::string& where) {
+void require_regular(const struct stat& found, std::uintmax_t largest, const std::string& where) {
   if (S_ISDIR(found.st_mode)) throw Error(ExitCode::case_file, where, "is a folder, not a file", check_path);
   if (!S_ISREG(found.st_mode))
     throw Error(ExitCode::case_file, where, "is a pipe, a device or a socket, not a file: it may never end",
@@ -41,7 +41,7 @@ void require_file(const struct stat& found, std::uintmax_t largest, const std::s
 void require_file(const std::filesystem::path& path, std::uintmax_t largest, const std::string& where) {
   struct stat found {};
   if (stat(path.c_str(), &found) != 0) throw cannot_read(where, errno);
-  require_file(found, largest, where);
+  require_regular(found, largest, where);
   if (access(path.c_str(), R_OK) != 0) throw cannot_read(where, errno);
 }
 
@@ -51,7 +51,7 @@ std::string read_whole(const std::filesystem::path& path, std::uintmax_t largest
   const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
   if (!file || fstat(file.get(), &found) != 0) throw cannot_read(where, errno);
-  require_file(found, largest, where);
+  require_regular(found, largest, where);
   std::string bytes(static_cast<std::size_t>(found.st_size), '\0');
   std::size_t read_so_far = 0;
   while (read_so_far < bytes.size()) {
