@@ -158,8 +158,8 @@ std::vector<int> numbered_sets(const std::vector<Edge>& edges, std::size_t trian
   return of_triangle;
 }
 
-/// Numbers the corners of the triangles, in their order. Triangles that share a point and an edge there that
-/// is neither corner nor chine have one number.
+/// Numbers the corners of the triangles, in their order. Triangles that share a point and a smooth edge there
+/// have one number.
 Eigen::Matrix3Xi corners_between(const InterfaceMesh& mesh, const std::vector<Edge>& edges) {
   const auto place = [&](int triangle, int point) {
     int k = 0;
@@ -169,7 +169,7 @@ Eigen::Matrix3Xi corners_between(const InterfaceMesh& mesh, const std::vector<Ed
   Sets shared(static_cast<std::size_t>(mesh.faces.size()));
   for (const Edge& edge : edges)
     for (const int point : {edge.from, edge.to})
-      if (!edge.corner && edge.bend != Bend::chine)
+      if (!edge.corner && !is_turn_within_face(edge.bend))
         shared.join(place(edge.left, point), place(edge.right, point));
   Eigen::Matrix3Xi corner(3, mesh.faces.cols());
   int count = 0;
@@ -210,21 +210,21 @@ SurfacePatches find_patches(const InterfaceMesh& mesh, const Knuckles& knuckles)
   SurfacePatches patches;
   patches.of_triangle = numbered_sets(edges, triangles, [](const Edge& edge) { return !edge.corner; });
   patches.part_of_triangle = numbered_sets(
-      edges, triangles, [](const Edge& edge) { return !edge.corner && edge.bend != Bend::chine; });
+      edges, triangles, [](const Edge& edge) { return !edge.corner && !is_turn_within_face(edge.bend); });
   patches.area.assign(1 + static_cast<std::size_t>(std::ranges::max(patches.of_triangle)), 0);
   for (std::size_t t = 0; t < triangles; ++t)
     patches.area[static_cast<std::size_t>(patches.of_triangle[t])] += area[t].norm();
   for (Edge& edge : edges) {
-    if (!edge.corner && edge.bend != Bend::chine) continue;
+    if (!edge.corner && !is_turn_within_face(edge.bend)) continue;
     const int left = patches.of_triangle[static_cast<std::size_t>(edge.left)],
               right = patches.of_triangle[static_cast<std::size_t>(edge.right)];
     // A convex edge that fades out in a smooth surface has two sides as far as its turn is a corner's.
     const double angle = std::numbers::pi - edge.turn;
     edge.corner = edge.corner && (left != right || edge.turn > 0);
-    if (!edge.corner && edge.bend != Bend::chine) continue;
+    if (!edge.corner && !is_turn_within_face(edge.bend)) continue;
     const auto down = [&](int t) { return -area[static_cast<std::size_t>(t)].normalized().y(); };
     const bool sharp = is_sharp_corner(angle, down(edge.left), down(edge.right));
-    auto& sides = edge.corner ? patches.border : patches.chine;
+    auto& sides = edge.corner ? patches.border : edge.bend == Bend::chine ? patches.chine : patches.knuckle;
     sides.push_back({left, edge.left, edge.from, edge.to, right, edge.right, angle, sharp});
     sides.push_back({right, edge.right, edge.to, edge.from, left, edge.left, angle, sharp});
   }

@@ -31,11 +31,12 @@ struct SurfacePatches {
     bool is_within_patch() const { return patch == other && angle >= right_angle; }
   };
   std::vector<int> of_triangle;
-  std::vector<int> part_of_triangle;  // of patches: chines divide them too; numbered from 0
+  std::vector<int> part_of_triangle;  // of patches: chines and knuckles divide them too; numbered from 0
   Eigen::Matrix3Xi corner;  // of the triangles: those at one point have one corner where no edge divides them
   std::vector<double> area;  // [m²] of each patch
   std::vector<Border> border;
   std::vector<Border> chine;                        // both sides of each edge that is a chine (`Bend::chine`)
+  std::vector<Border> knuckle;                      // and of each that is a knuckle
   std::vector<std::uint8_t> curved;                 // of each patch: whether it lies in no plane
   std::vector<std::uint8_t> between_sharp_corners;  // whether it is plane, with sharp edges alone
   int count() const { return static_cast<int>(area.size()); }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -39,6 +40,32 @@ double area_of(const InterfaceMesh& mesh, const std::vector<int>& triangles) {
   return area;
 }
 
+/// Numbers the parts on which wet points stand, one for each triangle: those between corners, chines and
+/// knuckles. A part is joined with those beyond its knuckles where it is too narrow for rows of its own:
+///   2 A/L < l0/2 ,   A its area, L the length of its edges; for a long strip 2 A/L is its width.
+std::vector<int> parts_of(const InterfaceMesh& mesh, const SurfacePatches& patches, double spacing) {
+  std::vector<int> part = patches.part_of_triangle;
+  const auto count = 1 + static_cast<std::size_t>(std::ranges::max(part));
+  const auto of = [&](int t) { return static_cast<std::size_t>(part[static_cast<std::size_t>(t)]); };
+  std::vector<double> area(count, 0), length(count, 0);
+  for (int t = 0; t < static_cast<int>(part.size()); ++t) area[of(t)] += 0.5 * normal_of(mesh, t).norm();
+  for (const auto* sides : {&patches.border, &patches.chine, &patches.knuckle})
+    for (const auto& edge : *sides)
+      length[of(edge.triangle)] += (mesh.position.col(edge.to) - mesh.position.col(edge.from)).norm();
+  std::vector<std::size_t> joined(count);
+  std::iota(joined.begin(), joined.end(), 0u);
+  const auto root = [&](std::size_t k) {
+    while (joined[k] != k) k = joined[k];
+    return k;
+  };
+  for (const auto& edge : patches.knuckle) {
+    const std::size_t k = of(edge.triangle), a = root(k), b = root(of(edge.other_triangle));
+    if (4 * area[k] < spacing * length[k]) joined[std::max(a, b)] = std::min(a, b);
+  }
+  for (int& p : part) p = static_cast<int>(root(static_cast<std::size_t>(p)));
+  return part;
+}
+
 /// Axes of a plane part of a patch that is a rectangle.
 struct Rectangle {
   Vector3 origin, along, across;
@@ -46,16 +73,17 @@ struct Rectangle {
   Vector2 place(const Vector3& x) const { return {along.dot(x - origin), across.dot(x - origin)}; }
 };
 
-std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePatches& patches, int part,
-                                      const std::vector<int>& triangles) {
+std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePatches& patches,
+                                      const std::vector<int>& part, const std::vector<int>& triangles) {
   const Vector3 normal = normal_of(mesh, triangles.front()).normalized();
   for (const int t : triangles)
     if ((normal_of(mesh, t).normalized() - normal).norm() > 1e-6) return {};
   Rectangle box;
   double longest = 0;
-  for (const auto* sides : {&patches.border, &patches.chine})
+  const auto of = [&](int t) { return part[static_cast<std::size_t>(t)]; };
+  for (const auto* sides : {&patches.border, &patches.chine, &patches.knuckle})
     for (const auto& edge : *sides) {
-      if (patches.part_of_triangle[static_cast<std::size_t>(edge.triangle)] != part) continue;
+      if (of(edge.triangle) != of(triangles.front())) continue;
       const Vector3 t = mesh.position.col(edge.to) - mesh.position.col(edge.from);
       if (t.norm() <= longest) continue;
       longest = t.norm();
@@ -82,21 +110,22 @@ std::optional<Rectangle> rectangle_of(const InterfaceMesh& mesh, const SurfacePa
 class Spreading {
  public:
   Spreading(const InterfaceMesh& mesh, const SurfacePatches& patches, double spacing)
-      : mesh_(mesh), patches_(patches), spacing_(spacing) {
+      : mesh_(mesh), patches_(patches), part_(parts_of(mesh, patches, spacing)), spacing_(spacing) {
     grid_.build(mesh.position, mesh.faces, spacing);
   }
 
   WetPoints run() {
     std::vector<std::vector<int>> triangles;
     for (int t = 0; t < static_cast<int>(mesh_.faces.cols()); ++t) {
-      const auto part = static_cast<std::size_t>(patches_.part_of_triangle[static_cast<std::size_t>(t)]);
+      const auto part = static_cast<std::size_t>(part_[static_cast<std::size_t>(t)]);
       triangles.resize(std::max(triangles.size(), part + 1));
       triangles[part].push_back(t);
     }
     for (int part = 0; part < static_cast<int>(triangles.size()); ++part) {
       const auto& own = triangles[static_cast<std::size_t>(part)];
+      if (own.empty()) continue;  // joined with another
       const int patch = patches_.of_triangle[static_cast<std::size_t>(own.front())];
-      if (const auto box = rectangle_of(mesh_, patches_, part, own))
+      if (const auto box = rectangle_of(mesh_, patches_, part_, own))
         divide(*box, patch, own);
       else
         settle(patch, part, own);
@@ -141,7 +170,7 @@ class Spreading {
   }
 
   /// Samples of a part, each with its triangle, its area and its unit normal. to_side: across the plane that
-  /// halves a chine near by that ends in the part, to the side of the sample; else zero.
+  /// halves an edge near by that ends in the part, to the side of the sample; else zero.
   struct Sample {
     Vector3 place;
     int triangle;
@@ -151,21 +180,22 @@ class Spreading {
   struct Place {
     Vector3 middle, normal;
   };
-  /// Whether the sample lies on the side of a thin body, and of a chine, that the place is on.
+  /// Whether the sample lies on the side of a thin body, and of such an edge, that the place is on.
   static bool on_one_side(const Sample& sample, const Place& place) {
     return sample.normal.dot(place.normal) > 0 && sample.to_side.dot(place.normal) >= 0;
   }
-  /// Finds `to_side` of the samples within a spacing and a half of chines with the part on both sides.
+  /// Finds `to_side` of the samples within a spacing and a half of edges that end in the part.
   void find_sides(int part, std::vector<Sample>& samples) const {
-    const auto is_of_part = [&](int t) {
-      return patches_.part_of_triangle[static_cast<std::size_t>(t)] == part;
+    const auto& undivided = patches_.part_of_triangle;
+    const auto ends_in_part = [&](const SurfacePatches::Border& border) {
+      const auto t = static_cast<std::size_t>(border.triangle),
+                 other = static_cast<std::size_t>(border.other_triangle);
+      return part_[t] == part && undivided[t] == undivided[other] && border.is_within_patch();
     };
     std::vector<const SurfacePatches::Border*> chines;
-    for (const auto* sides : {&patches_.border, &patches_.chine})
+    for (const auto* sides : {&patches_.border, &patches_.chine, &patches_.knuckle})
       for (const auto& border : *sides)
-        if (is_of_part(border.triangle) && is_of_part(border.other_triangle) && border.is_within_patch() &&
-            border.is_first())
-          chines.push_back(&border);
+        if (border.is_first() && ends_in_part(border)) chines.push_back(&border);
     if (chines.empty()) return;
     Eigen::Matrix3Xi ends(3, static_cast<Eigen::Index>(chines.size()));
     for (std::size_t e = 0; e < chines.size(); ++e)
@@ -295,7 +325,7 @@ class Spreading {
     const auto foot = grid_.nearest(place.middle);
     const auto faces_alike = [&](int t) { return normal_of(mesh_, t).dot(place.normal) > 0; };
     WetPoints::Point point{foot.triangle, foot.weight, patch};
-    const auto part_of = [&](int t) { return patches_.part_of_triangle[static_cast<std::size_t>(t)]; };
+    const auto part_of = [&](int t) { return part_[static_cast<std::size_t>(t)]; };
     if (part_of(foot.triangle) != part_of(triangles.front()) || !faces_alike(foot.triangle)) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const int t : triangles) {
@@ -317,6 +347,7 @@ class Spreading {
 
   const InterfaceMesh& mesh_;
   const SurfacePatches& patches_;
+  const std::vector<int> part_;  // of the triangles
   double spacing_;
   TriangleGrid grid_;
   WetPoints points_;

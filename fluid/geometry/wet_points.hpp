@@ -25,9 +25,9 @@ struct WetPoints {
   std::vector<Share> share;  // by points
 };
 
-/// Distributes wet points over each part of a patch between its chines. A plane rectangle is divided evenly.
-/// On other parts each place is the middle of the area that is nearest to it (a centroidal Voronoi
-/// tessellation).
+/// Distributes wet points over each part of a patch between its chines and knuckles. A plane rectangle is
+/// divided evenly. On other parts each place is the middle of the area that is nearest to it (a centroidal
+/// Voronoi tessellation).
 WetPoints wet_points(const InterfaceMesh&, const SurfacePatches&, double spacing);
 
 }  // namespace strake::fluid

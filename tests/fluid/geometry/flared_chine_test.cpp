@@ -1,7 +1,11 @@
-// Chines under flared sides in space: bottom and sides are one patch, in which each has its own wet points.
+// Chines under flared sides, and knuckles, in space: bottom and sides are one patch, in which each has its
+// own wet points.
 
 #include "fluid/geometry/body_surface_3d.hpp"
 #include "fluid/geometry/surface_patches.hpp"
+#include "proto/geometry/corner.hpp"
+#include "structure/body/solid_surface.hpp"
+#include "structure/body/surface.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -75,6 +79,47 @@ TEST(FlaredChine, BottomAndSidesAreOnePatchWithWetPointsAndNormalsOfTheirOwn) {
   }
   EXPECT_EQ(of_bottom, 20 * 15);  // divided evenly, as a plane rectangle of its own
   EXPECT_EQ(of_sides, 2 * 20 * 7);
+}
+
+// Under water the same edges are knuckles. With normals that were interpolated across them, sections that
+// roll had a mean force 3.9 to 4.6 % below that of the plane.
+TEST(Knuckle, FacesBesideItHaveWetPointsAndNormalsOfTheirOwn) {
+  const BodySurface3d body(prism(), l0, reach, knuckles_under_water);
+  int of_bottom = 0, of_sides = 0;
+  for (int k = 0; k < body.points(); ++k) {
+    if (body.edge_of(k) != body.edge_of(0)) continue;
+    const Vector3d x = body.point(k);
+    const bool is_bottom = x.y() < 1e-9;
+    const Vector3d side(0, starboard.y(), std::copysign(starboard.z(), x.z()));
+    EXPECT_NEAR((body.normal(k) - (is_bottom ? down : side)).norm(), 0, 1e-12) << x.transpose();
+    EXPECT_NEAR(body.normal(k).dot(body.area_vector(k)), body.area(k), 1e-12);
+    (is_bottom ? of_bottom : of_sides) += 1;
+  }
+  EXPECT_EQ(of_bottom, 20 * 15);
+  EXPECT_EQ(of_sides, 2 * 20 * 7);
+}
+
+// A strip between two knuckles that is finer than the water has no row of wet points of its own.
+TEST(Knuckle, AStripNarrowerThanHalfASpacingIsNoFaceOfItsOwn) {
+  for (const double width : {0.3 * l0, 0.8 * l0}) {
+    const double u = width / std::sqrt(2.0);
+    const InterfaceMesh mesh = structure::prism_surface(
+        structure::outline({{-half, 0}, {half - u, 0}, {half, u}, {half, height}, {-half, height}}, l0),
+        length, 0, l0);
+    const BodySurface3d body(mesh, l0, reach, knuckles_under_water);
+    int in_strip = 0;
+    double area = 0;
+    for (int k = 0; k < body.points(); ++k) {
+      area += body.area(k);
+      const Vector3d x = body.point(k);
+      if (x.x() > half - u + 1e-9 && x.y() < u - 1e-9) ++in_strip;
+    }
+    EXPECT_GT(area, 2 * length * (half + height)) << width;
+    if (width < 0.5 * l0)
+      EXPECT_LT(in_strip, 15) << width;
+    else
+      EXPECT_EQ(in_strip, 20) << width;
+  }
 }
 
 TEST(FlaredChine, WaterUnderTheBottomSeesTheLayersOfTheSide) {
