@@ -25,7 +25,7 @@ AirUnderBody<dim>::AirUnderBody(const AirKeys& keys, StepData<dim>& step) : keys
   step.air.aired.assign(static_cast<std::size_t>(step.boundary.body_surface().points()), 0);
   if (step.state.air_mass.size() == 0) begin(step);
   for (Eigen::Index i = 0; i < size(); ++i)
-    if (step.state.air_mass[i] > 0) set_aired(i, step);
+    if (step.state.air_mass[i] > 0) set_aired(i, step, 1);
 }
 
 template <int dim>
@@ -242,7 +242,9 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   };
   step.air.aired.assign(step.air.aired.size(), 0);
   for (Eigen::Index i = 0; i < size(); ++i)
-    if (state.air_mass[i] > 0 && keeps(i)) set_aired(i, step);
+    if (state.air_mass[i] > 0) set_aired(i, step, 1);
+  for (Eigen::Index i = 0; i < size(); ++i)
+    if (!(state.air_mass[i] > 0) || !keeps(i)) set_aired(i, step, 0);
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (!(state.air_mass[i] > 0) || is_aired(i, step)) continue;
     state.air_out += area_[i] * state.air_mass[i];
@@ -255,9 +257,9 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
 }
 
 template <int dim>
-void AirUnderBody<dim>::set_aired(Eigen::Index column, StepData<dim>& step) const {
+void AirUnderBody<dim>::set_aired(Eigen::Index column, StepData<dim>& step, std::uint8_t has) const {
   for (const int k : columns_[static_cast<std::size_t>(column)].points)
-    step.air.aired[static_cast<std::size_t>(k)] = 1;
+    step.air.aired[static_cast<std::size_t>(k)] = has;
 }
 
 template <int dim>

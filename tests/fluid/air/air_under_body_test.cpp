@@ -76,5 +76,33 @@ TEST(AirUnderBody, TheCushionFollowsTheSpeedOfTheBodyAgainstTheWater) {
   }
 }
 
+/// The impulse on a plate that falls onto the water with 6 m/s, up to 1.2 ms [N s/m].
+double impulse_with(int columns) {
+  Parameters p = tank_case(0.6, 0.2, 0.01, 0.2);
+  p.air.layer = true;
+  p.air.columns = columns;
+  p.end_time = 1;
+  constexpr double speed = 6, dt = 5e-6;
+  const InterfaceMesh plate = rectangle(-0.1, 0.002, 0.2, 0.02, 0.01);
+  Simulation<2> simulation(p, plate, PlateEntry::down(plate, speed));
+  const auto m = simulation.interface().position.cols();
+  InterfaceMotion motion{Points::Zero(3, m), Points::Zero(3, m), Points::Zero(3, m)};
+  motion.velocity.row(1).setConstant(-speed);
+  double impulse = 0;
+  for (int k = 1; k <= 240; ++k) {
+    motion.displacement.row(1).setConstant(-speed * k * dt);
+    simulation.step(dt, motion);
+    impulse += simulation.interface_force().row(1).sum() * dt;
+  }
+  return impulse;
+}
+
+// Where one of two columns under a wet point had hardly any air, its pressure stayed on the plate alone.
+TEST(AirUnderBody, TwoColumnsUnderAWetPointGiveTheImpulseOfOne) {
+  const double one = impulse_with(1);
+  EXPECT_GT(one, 50);
+  EXPECT_NEAR(impulse_with(2), one, 0.05 * one);
+}
+
 }  // namespace
 }  // namespace strake::fluid
