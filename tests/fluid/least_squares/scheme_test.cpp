@@ -152,22 +152,32 @@ TEST(LeastSquaresScheme, WaterThatPassesASharpCornerDoesNotChangeTheFluxThereAtO
   EXPECT_LT(std::abs(passing), 1e-3 * std::abs(whole));
 }
 
-/// The part of a small tension that deep water keeps at that distance [l0] from its place in the lattice. Its
-/// neighbours leave an opening on the other side, which counts as a little surface at last.
-double tension_beside_an_opening(double moved) {
-  Parameters p = incompressible(0.01);
-  p.submerged = true;
-  Column column(p, 0);
-  const std::int64_t watched = column.nearest({-0.005, -0.065});
-  column.state.position(0, watched) += 0.01 * moved;
-  column.measure();
+/// The part of a small tension that a particle keeps. It is below ρu² of the water that has just begun to
+/// fall.
+double tension_kept(Column& column, std::int64_t particle) {
   PressureSystem system;
   column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
                          system);
-  constexpr double tension = -0.01;  // below ρu² of the water that has just begun to fall
+  constexpr double tension = -0.01;
   column.state.pressure.setConstant(tension);
   column.scheme.limit_tension(column.boundary, column.state, *column.far);
-  return column.state.pressure[watched] / tension;
+  return column.state.pressure[particle] / tension;
+}
+
+Column still_water(bool submerged) {
+  Parameters p = incompressible(0.01);
+  p.submerged = submerged;
+  return Column(p, 0);
+}
+
+/// The part that deep water keeps at that distance [l0] from its place in the lattice. Its neighbours leave
+/// an opening on the other side, which counts as a little surface at last.
+double tension_beside_an_opening(double moved) {
+  Column column = still_water(true);
+  const std::int64_t watched = column.nearest({-0.005, -0.065});
+  column.state.position(0, watched) += 0.01 * moved;
+  column.measure();
+  return tension_kept(column, watched);
 }
 
 // Beside a section that rolls, σ of a particle 6 spacings deep rose to 0.0005. It lost all its tension, and
@@ -184,18 +194,10 @@ TEST(LeastSquaresScheme, TensionOfDeepWaterFadesWhereALittleSurfaceComesUp) {
   EXPECT_LT(largest, 0.15);
 }
 
-/// The part of a small tension that water so many spacings under the two rows of the surface (σ = 1) keeps.
+/// The part that water so many spacings under the two rows of the surface (σ = 1) keeps.
 double tension_under_the_surface(int rows, bool submerged) {
-  Parameters p = incompressible(0.01);
-  p.submerged = submerged;
-  Column column(p, 0);
-  PressureSystem system;
-  column.scheme.assemble(column.boundary, column.state, *column.far, column.near(), column.gravity, dt,
-                         system);
-  constexpr double tension = -0.01;  // below ρu² of the water that has just begun to fall
-  column.state.pressure.setConstant(tension);
-  column.scheme.limit_tension(column.boundary, column.state, *column.far);
-  return column.state.pressure[column.nearest({-0.005, -0.015 - 0.01 * rows})] / tension;
+  Column column = still_water(submerged);
+  return tension_kept(column, column.nearest({-0.005, -0.015 - 0.01 * rows}));
 }
 
 // Within 1.6 l0 of the surface the water beside a section that rolls was let go of where its side slowed
