@@ -54,9 +54,8 @@ class RecordSource {
 };
 
 /// Whether a column of a run is a component of force or moment, the mean of its window. It is that on the
-/// body
-/// ("force.y") or on one of several ("left.force.y"), as a rigid body tells it ("body.fy", "body.moment"), or
-/// of an attachment ("mooring.force.y").
+/// body ("force.y") or on one of several ("left.force.y"), as a rigid body tells it ("body.fy",
+/// "body.moment"), or of an attachment ("mooring.force.y").
 bool is_load(const std::string& column);
 /// Whether a column is a moment, or a component of one.
 bool is_moment(const std::string& column);

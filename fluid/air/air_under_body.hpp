@@ -87,7 +87,7 @@ class AirUnderBody {
   Sample sample(const StepData<dim>&, const Faces&, const Near&) const;
   void find_columns(const StepData<dim>&);
   void begin(StepData<dim>&);
-  void set_aired(Eigen::Index column, StepData<dim>&, std::uint8_t has) const;  // its wet points have air
+  void set_aired(Eigen::Index column, StepData<dim>&, std::uint8_t has) const;  // of its wet points
   bool is_aired(Eigen::Index column, const StepData<dim>&) const;
   void press_surface(StepData<dim>&, const Faces&, const Near&) const;
   AirState<plane> air_of(const State<dim>&, std::size_t layer) const;

@@ -37,8 +37,7 @@ ProbeKeys read_probe(CaseTable table, const CommonKeys& keys) {
            "surface of the body, else on a wall of the tank), "
            "front (x where the water on the floor at `at` ends), "
            "level (of the water over `at`), height (wetted length over `at`), which stay where they are "
-           "while "
-           "the tank moves, or of the air under the body's face at `at`: gap or air_pressure (of that "
+           "while the tank moves, or of the air under the body's face at `at`: gap or air_pressure (of that "
            "alone)"});
   table.number("diameter", probe.diameter, positive("m", "of a pressure sensor; not given: 2 fluid.spacing"));
   if (!table.has("name")) return probe;  // a list of declarations contains no probe to check
