@@ -36,6 +36,9 @@ struct Description {
   /// Of a structure, which is set up before its partner: the samples of its first window begin with the
   /// fields that the partner announces, at the time at which that window begins.
   bool partner_initial = false;
+  /// Of a structure: its motion over a window does not depend on the load. A serial scheme asks it first, and
+  /// gives the fluid that motion instead of an extrapolated one.
+  bool prescribed = false;
   bool cannot_resume = false;  // it cannot save its state: no checkpoint of the run is written
   double dt_limit = std::numeric_limits<double>::infinity();  // [s] longest first window
   std::vector<Column> columns;  // monitors that become columns of history.csv, in this order

@@ -199,6 +199,7 @@ StructureParticipant::StructureParticipant(std::unique_ptr<Solver> solver, const
   description_.initial = motion();
   const bool history = common.interpolation != "mean" && setup.interface == "surface";
   description_.history = history;
+  description_.prescribed = analysis_ == Analysis::dynamic && solver_->prescribed();
   if (history) interpolation_ = interpolation_kind(common.interpolation);
   description_.lines = describe(*solver_, p, common);
   description_.columns = probe_columns_;

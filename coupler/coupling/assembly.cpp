@@ -103,6 +103,7 @@ void Assembly::join_descriptions() {
     committed_.displacement.edit().middleCols(first, count) = sent.motion->displacement;
     committed_.velocity.edit().middleCols(first, count) = sent.motion->velocity;
     const Description& own = body.solver->description();
+    description_.prescribed = (k == 0 || description_.prescribed) && own.prescribed;
     description_.history = description_.history || own.history;
     description_.partner_initial = description_.partner_initial || own.partner_initial;
     description_.cannot_resume = description_.cannot_resume || own.cannot_resume;

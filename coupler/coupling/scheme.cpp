@@ -149,8 +149,10 @@ WindowReport Scheme::advance(const Window& window) {
   report.window = window;
   report.number = state_.windows + 1;
   Iterate now = first_guess(window);
+  std::optional<Shorter> shorter = ask_prescribed(window, now);
   for (int iteration = 1;; ++iteration) {
-    if (const auto shorter = evaluate(window, iteration, now))
+    if (!shorter) shorter = evaluate(window, iteration, now);
+    if (shorter)
       return retry(window, shorter->limit, asks_for_shorter(shorter->who, window, shorter->why),
                    shorter->fix);
     report.log.push_back(measure(window, iteration, now, report.log.empty() ? nullptr : &report.log.front()));

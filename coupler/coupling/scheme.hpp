@@ -96,6 +96,7 @@ class Scheme {
   std::optional<Shorter> evaluate(const Window&, int iteration, Iterate&);
   std::optional<Shorter> evaluate_serial(const Window&, int iteration, Iterate&);
   std::optional<Shorter> evaluate_parallel(const Window&, int iteration, Iterate&);
+  std::optional<Shorter> ask_prescribed(const Window&, Iterate&);
   Input for_fluid(const Window&, const Iterate&) const;
   Input for_structure(const Window&, const Iterate&) const;
   Samples receive_history(const Window&, int iteration, Iterate&) const;

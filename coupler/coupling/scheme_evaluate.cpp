@@ -34,6 +34,27 @@ const StructureSample& Scheme::guess_of(const Iterate& now) const {
   return holds_last() ? state_.structure.back() : now.guess;
 }
 
+/// Asks a structure that no load moves for its motion over the window. The fluid is given that, and the first
+/// iteration ends the window. The load of this question is the announced one: only the answer's motion
+/// counts.
+std::optional<Scheme::Shorter> Scheme::ask_prescribed(const Window& window, Iterate& now) {
+  if (!structure_.description().prescribed || parameters_.parallel || holds_last()) return std::nullopt;
+  Iterate asked;
+  for (const Field& field : of_fluid_) asked.load.push_back(transfer_.onto_structure(field));
+  structure_.start_with(window, for_structure(window, asked));
+  asked.from_structure = structure_.finish();
+  std::optional<Shorter> shorter;
+  if (asked.from_structure.retry_smaller_dt) {
+    shorter.emplace("the structure", asked.from_structure);
+  } else {
+    receive_structure(window, 1, asked);
+    now.guess = std::move(asked.answer);
+    now.structure_history = std::move(asked.structure_history);
+  }
+  structure_.rewind();
+  return shorter;
+}
+
 std::optional<Scheme::Shorter> Scheme::evaluate(const Window& window, int iteration, Iterate& now) {
   now.load_before = std::exchange(now.load, {});
   now.history_before = std::exchange(now.history, {});

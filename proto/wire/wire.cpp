@@ -139,6 +139,7 @@ void write(const Ready& from, pb::Reply& reply, Writer& writer) {
   to.set_dt_limit(d.dt_limit);
   to.set_history(d.history);
   to.set_partner_initial(d.partner_initial);
+  to.set_prescribed(d.prescribed);
   to.set_cannot_resume(d.cannot_resume);
   write(d.sent_on, *to.mutable_sent_on());
   write(d.taken_on, *to.mutable_taken_on());
@@ -194,6 +195,7 @@ Ready read(const pb::Ready& from, Reader& reader) {
   to.description.dt_limit = from.dt_limit();
   to.description.history = from.history();
   to.description.partner_initial = from.partner_initial();
+  to.description.prescribed = from.prescribed();
   to.description.cannot_resume = from.cannot_resume();
   to.description.sent_on = read_places(from.sent_on(), reader.rules());
   to.description.taken_on = read_places(from.taken_on(), reader.rules());

@@ -102,9 +102,12 @@ Eigen::Vector3d Rigid::velocity_at(const Eigen::Vector3d& X) const {
 }
 
 std::optional<Eigen::Vector3d> Rigid::support_displacement(const Eigen::Vector3d& X) const {
-  const bool driven = parameters_.motion || parameters_.angular_velocity != 0;
-  if (!driven || parameters_.free.any()) return std::nullopt;
+  if (!is_driven()) return std::nullopt;
   return displacement_at(X);
+}
+
+bool Rigid::is_driven() const {
+  return (parameters_.motion || parameters_.angular_velocity != 0) && !parameters_.free.any();
 }
 
 Energy Rigid::energy() const {

@@ -23,6 +23,7 @@ class Rigid final : public Solver {
   /// Of a body that a table drives or that turns at a constant rate, and that no load moves: its own
   /// displacement, so that its deflection is 0.
   std::optional<Eigen::Vector3d> support_displacement(const Eigen::Vector3d&) const override;
+  bool prescribed() const override { return is_driven(); }
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
   void write(Archive&) const override;
@@ -34,6 +35,8 @@ class Rigid final : public Solver {
   std::map<std::string, double> monitor() const override;
 
  private:
+  /// By a table, or turning at a constant rate, and in no direction free.
+  bool is_driven() const;
   /// Centre of gravity: place, turn, their rates; the fluid's load, the window's mean, moment about it.
   std::vector<std::pair<Column, double>> report() const;
   struct State {

@@ -63,6 +63,8 @@ class Solver {
   /// True when the fluid must follow `velocity` as well (explicit particles, rho_inf < 1): sent beside
   /// displacement.
   virtual bool sends_velocity() const { return true; }
+  /// True if no load changes its motion, and this is not that of a constant speed: Description::prescribed.
+  virtual bool prescribed() const { return false; }
   virtual double stable_dt() const { return std::numeric_limits<double>::infinity(); }  // [s] if explicit
   virtual Energy energy() const = 0;
   /// True if `external` contains all work, so that energies balance.

@@ -20,6 +20,7 @@ class Square : public models::Model<double> {
 
   explicit Square(double x, bool sends_velocity, double speed = 0, double y = 0)
       : sends_velocity_(sends_velocity) {
+    description_.prescribed = speed != 0;
     InterfaceMesh mesh = {"square", 2, Points::Zero(3, 4), Eigen::MatrixXi(2, 4), {}};
     mesh.position.row(0) << x, x + 1, x + 1, x;
     mesh.position.row(1) << y, y, y + 1, y + 1;
@@ -70,6 +71,12 @@ TEST(Assembly, IsOneMeshAndOneMotion) {
   const auto& initial = two.both.description().initial;
   EXPECT_EQ(find(initial, "velocity")->value(1, 0), 0);
   EXPECT_EQ(find(initial, "velocity")->value(1, 4), 1);
+}
+
+TEST(Assembly, IsPrescribedWhereEachOfItsBodiesIs) {
+  Square one{0, true, 2}, other{3, true, 1};
+  EXPECT_TRUE(Assembly({{"one", &one}, {"other", &other}}, {}, 0.5).description().prescribed);
+  EXPECT_FALSE(Two().both.description().prescribed);
 }
 
 TEST(Assembly, GivesEachBodyItsPartOfTheLoad) {

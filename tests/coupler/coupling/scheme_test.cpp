@@ -25,6 +25,7 @@ class Scripted : public models::Model<double> {
     description_.initial = std::move(initial);
     begin(models::line_of_points(name, n), 0);
   }
+  void prescribe() { description_.prescribed = true; }
   void rewind() override { calls += 'R'; }
   void commit(bool) override { calls += 'C'; }
 
@@ -82,6 +83,59 @@ TEST(Scheme, TakesOneIterationPerWindowForRigidMotion) {
     EXPECT_DOUBLE_EQ(rigid.fluid.told.back().time, 5 * dt);
     EXPECT_NEAR(find(rigid.fluid.told.back().fields, "velocity")->value(1, 0), -6.26, 1e-11);
   }
+}
+
+/// A body that a table drives, with u = t³, which no parabola follows.
+struct Driven : Rigid {
+  Driven() : Rigid(0) {
+    structure.answer = [](const Window& w, const Input& input) {
+      const double t = w.t + w.dt;
+      Advanced a;
+      a.output = {models::y_field("displacement", "m", VectorXd::Constant(3, t * t * t)),
+                  models::y_field("velocity", "m/s", VectorXd::Constant(3, 3 * t * t))};
+      a.monitor = {{"body.fy", find(input.samples.back().fields, "force")->value.row(1).sum()}};
+      return a;
+    };
+  }
+};
+
+TEST(Scheme, GivesTheFluidTheVeryMotionThatAStructureHasWhateverTheLoad) {
+  for (const bool says_so : {false, true}) {
+    Driven body;
+    if (says_so) body.structure.prescribe();
+    Scheme scheme = body.scheme();
+    int most = 0;
+    for (int w = 0; w < 6; ++w) {
+      const WindowReport report = scheme.advance({w * dt, dt});
+      most = std::max(most, report.iterations);
+      EXPECT_EQ(report.structure.at("body.fy"), 9);
+      scheme.commit(false);
+    }
+    EXPECT_EQ(most > 1, !says_so);
+    if (!says_so) continue;
+    EXPECT_EQ(body.fluid.calls, "ACACACACACAC");
+    EXPECT_EQ(body.structure.calls, "ARACARACARACARACARACARAC");
+    const double t = 5 * dt + dt;
+    EXPECT_EQ(find(body.fluid.told.back().fields, "displacement")->value(1, 0), t * t * t);
+    EXPECT_EQ(find(body.fluid.told.back().fields, "velocity")->value(1, 0), 3 * t * t);
+  }
+}
+
+TEST(Scheme, TakesAPrescribedStructureBackThatWantsAShorterWindow) {
+  Driven body;
+  body.structure.prescribe();
+  body.structure.answer = [](const Window&, const Input&) {
+    Advanced a;
+    a.retry_smaller_dt = true;
+    a.dt_limit = 0.3 * dt;
+    return a;
+  };
+  Scheme scheme = body.scheme();
+  const WindowReport report = scheme.advance({0, dt});
+  EXPECT_TRUE(report.retry);
+  EXPECT_EQ(report.dt_limit, 0.3 * dt);
+  EXPECT_EQ(body.structure.calls, "AR");
+  EXPECT_EQ(body.fluid.calls, "");
 }
 
 TEST(Scheme, ReportsWorkForceMonitorsAndTheShorterLimit) {

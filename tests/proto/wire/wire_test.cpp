@@ -56,6 +56,7 @@ TEST(Wire, AReadyKeepsMeshAndDescription) {
   ready.description.initial = {field("displacement", "m", 3, 4)};
   ready.description.columns = {{"cfl", "1"}, {"energy", "J"}};
   ready.description.lines = {"fem", "512 cells"};
+  ready.description.prescribed = true;
   const Ready got = reply_round_trip(ready);
   expect_equal(got.mesh, ready.mesh);
   expect_equal(got.description.initial, ready.description.initial);
@@ -64,6 +65,7 @@ TEST(Wire, AReadyKeepsMeshAndDescription) {
   EXPECT_EQ(got.description.columns[1].name, "energy");
   EXPECT_EQ(got.description.columns[1].unit, "J");
   EXPECT_EQ(got.description.lines, ready.description.lines);
+  EXPECT_TRUE(got.description.prescribed);
 }
 
 TEST(Wire, AReadyThatNamesAColumnTwiceIsRefused) {

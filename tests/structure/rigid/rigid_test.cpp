@@ -97,11 +97,13 @@ TEST(Rigid, ABodyThatTurnsAsItIsDrivenHasNoDeflection) {
   Rigid body(p);
   body.advance(0.5, 0.01, {});
   const Vector3d X(0.1, 0.05, 0);
+  EXPECT_TRUE(body.prescribed());
   ASSERT_TRUE(body.support_displacement(X));
   EXPECT_EQ(*body.support_displacement(X), body.displacement_at(X));
   p.free.y = true;
   p.velocity.y() = 0;
   EXPECT_FALSE(Rigid(p).support_displacement(X));
+  EXPECT_FALSE(Rigid(p).prescribed());
 }
 
 TEST(Rigid, FollowsATableInPlaceAndAngle) {
