@@ -18,6 +18,7 @@ class Replay final : public Solver {
   Points velocity() const override;
   /// The work of the recorded force on the recorded motion is not followed: nothing is known of the inside.
   Energy energy() const override { return {}; }
+  bool prescribed() const override { return true; }
   int steps() const override { return state_.steps; }
   Eigen::Vector3d displacement_at(const Eigen::Vector3d& X) const override;
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& X) const override;
