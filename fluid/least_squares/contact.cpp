@@ -29,37 +29,53 @@ Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>& boundary, const
   return out;
 }
 
-/// Whether water at x is under a wet face of a body: less than under_face beside the middle of one of rows.
+/// Whether contact meets water at x next: it is under dry faces of a body that go on along n, and under no
+/// wet one. Under: less than under_face beside the middle of a face of rows.
 template <int dim>
-static bool is_met(const WallContact<dim>& walls, const Boundary<dim>& boundary, const State<dim>& state,
-                   std::span<const int> rows, const Vector<dim>& x, double spacing) {
+static bool is_next(const WallContact<dim>& walls, const Boundary<dim>& boundary, const State<dim>& state,
+                    std::span<const int> rows, const Vector<dim>& x, const Vector<dim>& normal,
+                    double spacing) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  bool dry = false;
   for (const std::int64_t j : rows) {
-    if (j < boundary.first_of_bodies() || !walls.wet(j)) continue;
+    if (j < boundary.first_of_bodies()) continue;
     const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(j), x),
                       n = walls.normal(j);
-    if ((r - r.dot(n) * n).norm() < least_squares_constants().under_face * spacing) return true;
+    if ((r - r.dot(n) * n).norm() >= tuned.under_face * spacing) continue;
+    if (walls.wet(j)) return false;
+    dry = dry || n.dot(normal) > tuned.goes_on;
   }
-  return false;
+  return dry;
 }
 
 /// Returns the mean place, seen from particle i, of the free surface that contact has not reached yet:
 ///   a = Σ w_L κ r/Σ w_L κ
-/// over the water that lies under no wet face of a body, κ of (F39). It is zero where there is none, or where
-/// it lies on several sides of i.
+/// over the water that contact meets next, κ of (F39). It is zero where there is none, or where it lies on
+/// several sides of i.
 template <int dim>
 Vector<dim> LeastSquaresScheme<dim>::ahead(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& far, std::int64_t i) const {
   const auto columns = far.row(i);
   const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  const auto& periodic = boundary.tank().periodic();
+  Vector<dim> normal = Vector<dim>::Zero();  // of the nearest wet face
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const std::int64_t j : columns) {
+    if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
+    const double distance = periodic.separation(state.position.col(i), state.position.col(j)).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    normal = walls_.normal(j);
+  }
   Vector<dim> sum = Vector<dim>::Zero();
   double weight = 0, length = 0;
   for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
     const std::int64_t k = columns[e];
     if (!(surface_.kappa[k] > 0)) continue;
-    if (is_met<dim>(walls_, boundary, state, columns, state.position.col(k), p_.spacing)) continue;
+    if (!is_next<dim>(walls_, boundary, state, columns, state.position.col(k), normal, p_.spacing)) continue;
     const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e)),
                  w = surface_.kappa[k] * (laplacian_.radius * inverse - 1);
-    const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(i), state.position.col(k));
+    const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(k));
     sum += w * r;
     weight += w;
     length += w * r.norm();
