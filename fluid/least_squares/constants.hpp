@@ -36,6 +36,9 @@ struct LeastSquaresConstants {
   double stopped = 0.3;  // [l0] height below which no residual velocity past a face is left. Chosen
 
   // Faces newly met (F71).
+  double under_face = 0.75;      // [l0] beside a wet face's middle, within which water is met already. Chosen
+  double goes_on = 0.9;          // [-] cosine between faces that lie along one another. Chosen
+  double one_sided = 0.5;        // [-] |Σ w r|/Σ w |r| above which a surface lies on one side. Chosen
   double steepest = 3;           // [-] largest tangent of the angle between a face and the surface. Chosen
   double stopped_height = 0.25;  // [l0] height at which water must have lost its approach to a face. Chosen
   double least_stopping = 0.1;   // [l0] shortest way on which it loses it. Chosen; 0 stops it at once

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 // Computes how water takes on the faces of bodies that it has just met (F71). A face that becomes wet enters
 // the equation of all water within 3.1 l0 at once. Water that is not the nearest may approach it with the
@@ -28,7 +29,63 @@ Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>& boundary, const
   return out;
 }
 
-/// Computes `to_air` of the water beside bodies, and gives it to the ghosts, which have no rows.
+/// Whether contact meets water at x next: it is under dry faces of a body that go on along n, and under no
+/// wet one. Under: less than under_face beside the middle of a face of rows.
+template <int dim>
+static bool is_next(const WallContact<dim>& walls, const Boundary<dim>& boundary, const State<dim>& state,
+                    std::span<const int> rows, const Vector<dim>& x, const Vector<dim>& normal,
+                    double spacing) {
+  const LeastSquaresConstants& tuned = least_squares_constants();
+  bool dry = false;
+  for (const std::int64_t j : rows) {
+    if (j < boundary.first_of_bodies()) continue;
+    const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(j), x),
+                      n = walls.normal(j);
+    if ((r - r.dot(n) * n).norm() >= tuned.under_face * spacing) continue;
+    if (walls.wet(j)) return false;
+    dry = dry || n.dot(normal) > tuned.goes_on;
+  }
+  return dry;
+}
+
+/// Returns the mean place, seen from particle i, of the free surface that contact has not reached yet:
+///   a = Σ w_L κ r/Σ w_L κ
+/// over the water that contact meets next, κ of (F39). It is zero where there is none, or where it lies on
+/// several sides of i.
+template <int dim>
+Vector<dim> LeastSquaresScheme<dim>::ahead(const Boundary<dim>& boundary, const State<dim>& state,
+                                           const Neighbours& far, std::int64_t i) const {
+  const auto columns = far.row(i);
+  const std::int64_t first = far.start()[static_cast<std::size_t>(i)];
+  const auto& periodic = boundary.tank().periodic();
+  Vector<dim> normal = Vector<dim>::Zero();  // of the nearest wet face
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const std::int64_t j : columns) {
+    if (j < boundary.first_of_bodies() || !walls_.wet(j)) continue;
+    const double distance = periodic.separation(state.position.col(i), state.position.col(j)).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    normal = walls_.normal(j);
+  }
+  Vector<dim> sum = Vector<dim>::Zero();
+  double weight = 0, length = 0;
+  for (std::size_t e = 0; e < columns.size() && columns[e] < boundary.water(); ++e) {
+    const std::int64_t k = columns[e];
+    if (!(surface_.kappa[k] > 0)) continue;
+    if (!is_next<dim>(walls_, boundary, state, columns, state.position.col(k), normal, p_.spacing)) continue;
+    const double inverse = far.inverse_of(first + static_cast<std::int64_t>(e)),
+                 w = surface_.kappa[k] * (laplacian_.radius * inverse - 1);
+    const Vector<dim> r = periodic.separation(state.position.col(i), state.position.col(k));
+    sum += w * r;
+    weight += w;
+    length += w * r.norm();
+  }
+  return sum.norm() > least_squares_constants().one_sided * length ? Vector<dim>(sum / weight)
+                                                                   : Vector<dim>::Zero();
+}
+
+/// Computes `to_air` and `ahead` of the water beside bodies, and gives them to the ghosts, which have no
+/// rows.
 template <int dim>
 void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& far) {
@@ -38,6 +95,15 @@ void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>& boundary, const 
     if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
       wall_.to_air.col(i) = to_air(boundary, state, far, i);
   ranks_.update(wall_.to_air, Rings::first);
+  if constexpr (dim == 2) {
+    ranks_.update(surface_.kappa, Rings::first);
+    wall_.ahead.setZero(dim, boundary.water());
+#pragma omp parallel for schedule(static)
+    for (std::int64_t i = 0; i < boundary.water(); ++i)
+      if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
+        wall_.ahead.col(i) = ahead(boundary, state, far, i);
+    ranks_.update(wall_.ahead, Rings::first);
+  }
 }
 
 /// Returns tan β of the angle between a face with the normal n and the surface of water. out: to the air,
@@ -48,6 +114,12 @@ static double tangent_to_surface(const auto& out, const auto& n) {
   const double cosine = -out.normalized().dot(n);
   if (!(cosine > 0)) return tuned.steepest;
   return std::min(tuned.steepest, std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine);
+}
+
+/// Returns the same angle from the surface that contact will meet next: tan β = a·n/|a − a·n n|, not below 0.
+static double tangent_ahead(const auto& ahead, const auto& n) {
+  const double rise = ahead.dot(n), along = (ahead - rise * n).norm();
+  return along > 0 ? std::clamp(rise / along, 0.0, least_squares_constants().steepest) : 0.0;
 }
 
 /// Returns the time in which contact passes a face that has become wet:
@@ -68,8 +140,13 @@ double LeastSquaresScheme<dim>::passing_time(const Boundary<dim>& boundary, cons
   };
   const Vector<dim> out = ranks_.several() ? Vector<dim>(wall_.to_air.col(face.nearest))
                                            : to_air(boundary, state, far, face.nearest);
-  return std::max(passing(tangent_to_surface(out, n)),
-                  film_.share[face.nearest] * passing(least_squares_constants().steepest));
+  double tangent = tangent_to_surface(out, n);
+  if constexpr (dim == 2) {
+    const Vector<dim> next = ranks_.several() ? Vector<dim>(wall_.ahead.col(face.nearest))
+                                              : ahead(boundary, state, far, face.nearest);
+    tangent = std::max(tangent, tangent_ahead(next, n));
+  }
+  return std::max(passing(tangent), film_.share[face.nearest] * passing(least_squares_constants().steepest));
 }
 
 template <int dim>
@@ -157,6 +234,8 @@ void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>& boundary, State<dim>&
 #define STRAKE_INSTANTIATE(dim)                                                                             \
   template Vector<dim> LeastSquaresScheme<dim>::to_air(const Boundary<dim>&, const State<dim>&,             \
                                                        const Neighbours&, std::int64_t) const;              \
+  template Vector<dim> LeastSquaresScheme<dim>::ahead(const Boundary<dim>&, const State<dim>&,              \
+                                                      const Neighbours&, std::int64_t) const;               \
   template void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>&, const State<dim>&,              \
                                                       const Neighbours&);                                   \
   template double LeastSquaresScheme<dim>::passing_time(                                                    \

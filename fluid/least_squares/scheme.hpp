@@ -65,8 +65,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   void shift(StepData<dim>&) override;
 
   /// Computes the sums over neighbours at the present positions, the wet layers, and State::surface of the
-  /// water. far: rows of at least the Laplacian's radius. near: rows of at least 2 l0.
-  /// time: until the next call [s].
+  /// water. far: rows of the Laplacian's radius or more; near: of 2 l0 or more. time: until the next call.
   void measure(const Boundary<dim>&, State<dim>&, const Neighbours& far, const Neighbours& near, double time);
   /// ∇u* of the water (F33), and the filter (F48). Later steps of a group repeat the filter's acceleration of
   /// its first step.
@@ -142,7 +141,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     SingleVectors deferred_velocity;  // past the faces, left to the next steps [m/s]
     std::vector<Meeting> meeting;     // scratch of `meet_faces`
     Eigen::VectorXd passing;          // scratch: T of each layer particle newly wet [s]
-    Vectors<dim> to_air;              // scratch on several ranks: `to_air` of each water particle
+    Vectors<dim> to_air, ahead;       // scratch on several ranks: those of each water particle
   };
   using Images = FaceImages<dim>;
   /// The configuration at the start, where it is packed; else empty. Columns are those of State::id.
@@ -280,7 +279,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     return (laplacian_.radius * far.inverse_of(pair) - 1) * walls_.projection(j, r).norm();
   }
   static void fade_lag(State<dim>&, std::int64_t i, double time);
-  Vector<dim> to_air(const Boundary<dim>&, const State<dim>&, const Neighbours& far, std::int64_t i) const;
+  Vector<dim> to_air(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t i) const;
+  Vector<dim> ahead(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t i) const;
   void share_to_air(const Boundary<dim>&, const State<dim>&, const Neighbours& far);
   double passing_time(const Boundary<dim>&, const State<dim>&, const Neighbours& far,
                       const typename WallContact<dim>::Joined&) const;

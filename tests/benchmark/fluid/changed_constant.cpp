@@ -37,6 +37,9 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"at_keel", &LeastSquaresConstants::at_keel},
     {"past_end", &LeastSquaresConstants::past_end},
     {"stopped", &LeastSquaresConstants::stopped},
+    {"under_face", &LeastSquaresConstants::under_face},
+    {"goes_on", &LeastSquaresConstants::goes_on},
+    {"one_sided", &LeastSquaresConstants::one_sided},
     {"steepest", &LeastSquaresConstants::steepest},
     {"stopped_height", &LeastSquaresConstants::stopped_height},
     {"least_stopping", &LeastSquaresConstants::least_stopping},
@@ -56,7 +59,7 @@ const std::map<std::string, double LeastSquaresConstants::*> numbers{
     {"longest_shift", &LeastSquaresConstants::longest_shift},
     {"soft_stiffness", &LeastSquaresConstants::soft_stiffness},
 };
-static_assert(sizeof(LeastSquaresConstants) == 40 * sizeof(double), "a number is missing in the list above");
+static_assert(sizeof(LeastSquaresConstants) == 43 * sizeof(double), "a number is missing in the list above");
 
 const bool changed = [] {
   const char* asked = std::getenv("STRAKE_CONSTANT");

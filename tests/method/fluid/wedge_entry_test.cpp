@@ -186,5 +186,16 @@ TEST(WedgeEntry, WaterThatCrossesAKeelIsNotThrown) {
   }
 }
 
+// Water under a wet face has that face as its surface. The angle of (F71) from all water was then nothing,
+// and the next face was met in one step: largest forces of 3.5, 2.9, 3.9 and 3.0 times the mean.
+TEST(WedgeEntry, ContactPassesFacesOfLowDeadriseWithoutABlow) {
+  for (const double degrees : {6.0, 7.0})
+    for (const double spacing : {0.03125, 0.025}) {
+      const double deadrise = degrees * std::numbers::pi / 180;
+      const Entry entry = enter(deadrise, spacing, 0.15 * std::tan(deadrise), 7e-5, 1500);
+      EXPECT_LT(entry.largest, 2 * entry.mean) << degrees << " degrees, " << spacing << " m";
+    }
+}
+
 }  // namespace
 }  // namespace strake::fluid
