@@ -292,9 +292,11 @@ void SolverRun::check_step(double dt) const {
 
 void SolverRun::advance(double dt) {
   check_step(dt);
+  const bool at_end = dt >= left() - round_off * window_.dt;
+  if (at_end || sends_history_) data_.check_written();
+  if (at_end && answered_ > 0) data_.check_read();
   complete_ = false;
   write_checkpoint = read_checkpoint = {};
-  const bool at_end = dt >= left() - round_off * window_.dt;
   done_ = at_end ? window_.dt : done_ + dt;
   std::vector<Field> fields = data_.take_fields();
   if (sends_history_) history_.push_back({now(), fields});
@@ -307,6 +309,7 @@ void SolverRun::send_window(std::vector<Field> fields) {
   advanced.output = std::move(fields);
   advanced.history = std::move(history_);
   advanced.monitor = sections_.seconds();
+  ++answered_;
   conversation_->answer({0, std::move(advanced)});
   await_window();
 }
