@@ -151,7 +151,7 @@ def compare_draws(place, run):
     shutil.copytree(run, other)
     (other / "history.csv").write_text((run / "history.csv").read_text().replace("p_mid", "p_low"))
     apart = strake("compare", run, other, cwd=place)
-    expect("(1) has p_mid; (2) has p_low" in apart.stdout and "no probe or force is in all" not in apart.stdout,
+    expect("not in all of them: (1) has p_mid\n" in apart.stdout and "no probe or force is in all" not in apart.stdout,
            f"probes that not both have are named: {apart.stdout[-300:]}{apart.stderr}")
     found = json.loads((run / "summary.json").read_text())["probes"]["p_mid"]
     peak = re.search(r"p_mid.*?\n  peak +\[Pa\] +(\S+)", several.stdout, re.S)
