@@ -280,7 +280,7 @@ ExitCode close_study(const StudyOptions& options, const StopRequest& stop, const
   if (failed > 0) fmt::print("  logs    {}\n", (folder / "*.log").string());
   fmt::print("  next    {}\n", stop.requested() || failed > 0
                                    ? "the same command goes on where this one stopped"
-                                   : fmt::format("strake report {}", folder.string()));
+                                   : "strake report " + shell_word(folder.string()));
   if (stop.requested()) return stop.code();
   if (failed == 0 && options.strict && passed != judged) return ExitCode::outside_tolerance;
   return code;
