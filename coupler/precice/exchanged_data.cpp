@@ -280,10 +280,13 @@ void ExchangedData::receive(const Window& window, const Input& input) {
       if (!field) {
         std::string sent;
         for (const Field& other : sample.fields) sent += (sent.empty() ? "" : ", ") + other.quantity;
-        throw Error(ExitCode::case_file, entry.text(),
-                    fmt::format("is not sent by the partner (looked for {}); it sends {}",
-                                entry.quantity.name, sent.empty() ? "nothing" : sent),
-                    fmt::format("say which it is: STRAKE_PRECICE_NAMES=\"{}=quantity\"", entry.data));
+        throw Error(
+            ExitCode::case_file, entry.text(),
+            fmt::format("is not sent by the partner (looked for {}); it sends {}", entry.quantity.name,
+                        sent.empty() ? "nothing" : sent),
+            fmt::format("say in the case which it is: precice_names = [\"{}={}\"]; or by "
+                        "STRAKE_PRECICE_NAMES",
+                        entry.data, sample.fields.empty() ? "quantity" : sample.fields.front().quantity));
       }
       knots.push_back({sample.time, from_partner(entry, *field)});
     }

@@ -239,6 +239,7 @@ void SolverRun::settle(wire::Before before) {
 
 void SolverRun::begin_window(const wire::Advance& advance) {
   const bool again = advance.before == wire::Before::rewind;
+  ongoing_ = true;  // what is thrown below is a fault of this window, and not the run's end
   settle(advance.before);
   write_checkpoint = {.required = implicit_ && !again};
   window_ = advance.window;
@@ -246,7 +247,6 @@ void SolverRun::begin_window(const wire::Advance& advance) {
   history_.clear();
   sends_history_ = sends_history_ || advance.input.wants_history;
   data_.receive(window_, advance.input);
-  ongoing_ = true;
   noted_.reset();  // the solver went on
 }
 
