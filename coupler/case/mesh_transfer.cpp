@@ -1,10 +1,13 @@
 #include "coupler/case/mesh_transfer.hpp"
 
+#include "coupler/case/rank_threads.hpp"
 #include "coupler/mapping/mesh_part.hpp"
 #include "proto/error.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -195,6 +198,20 @@ std::vector<Field> initial_for_fluid(const Participant& structure) {
     fields.push_back(on_part(field, range));
   }
   return fields;
+}
+
+void check_motion(const CaseView& view, const std::string& side, const Participant& structure) {
+  const std::vector<Field>& sent = structure.description().initial;
+  if (!view.coupled() || view.fluid->solver != "mps" || sent.empty() || find(sent, "displacement")) return;
+  std::vector<std::string> names;
+  for (const Field& field : sent) names.push_back(field.quantity);
+  const std::string table = table_of(*std::ranges::find(view.structures, side, &SideView::side));
+  throw Error(
+      ExitCode::case_file, side,
+      fmt::format("sends no displacement, which the water follows; it sends {}", visible(joined(names), "")),
+      fmt::format("a program with a preCICE adapter: {}.precice_names = [\"{}=displacement\"]\n"
+                  "(of solver = \"precice\": precice.write), where that is the displacement",
+                  table, visible(names.front(), "")));
 }
 
 }  // namespace strake

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/case/case_view.hpp"
 #include "coupler/coupling/exchange.hpp"
 #include "proto/participant.hpp"
 
@@ -33,5 +34,8 @@ const MappingQuality& quality_of_load(const FieldTransfer&);
 /// the one that moves, or that of its first field, with the fields that live on the same points.
 InterfaceMesh mesh_for_fluid(const Participant& structure);
 std::vector<Field> initial_for_fluid(const Participant& structure);
+/// Tests that a structure in Strake's water sends displacements. Error(case_file) names what it sends
+/// instead; `side` calls the structure.
+void check_motion(const CaseView&, const std::string& side, const Participant& structure);
 
 }  // namespace strake

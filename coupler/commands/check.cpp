@@ -2,6 +2,7 @@
 #include "coupler/case/rank_threads.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
+#include "coupler/participant/launch.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "coupler/run/session.hpp"
@@ -152,8 +153,8 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   }
   if (options.all) fmt::print("\nevery value and where it came from\n{}", visible(view.resolved));
   fmt::print("\n{}: nothing to refuse{}\n", options.case_file.string(), built ? "" : " before it is built");
-  if (!options.all) fmt::print("  values  strake check {} --all\n", options.case_file.string());
-  fmt::print("  next    strake run {}\n", options.case_file.string());
+  if (!options.all) fmt::print("  values  strake check {} --all\n", shell_word(options.case_file.string()));
+  fmt::print("  next    strake run {}\n", shell_word(options.case_file.string()));
   return ExitCode::done;
 }
 

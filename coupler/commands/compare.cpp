@@ -108,6 +108,26 @@ std::vector<std::string> choose_telling(const std::vector<RecordSource>& sources
   return chosen;  // all are zero: that is what there is to say
 }
 
+/// Names the probes and forces that not all of the runs have, and says where no two have one in common.
+void print_unshared(const std::vector<RecordSource>& sources, const CompareOptions& options) {
+  if (!options.probes.empty() || options.all) return;
+  std::vector<std::string> lines;
+  bool shared = false;
+  for (std::size_t r = 0; r < sources.size(); ++r) {
+    if (!sources[r].is_run()) return;  // of a file each column counts
+    std::vector<std::string> own;
+    for (const std::string& name : sources[r].telling_quantities())
+      if (std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return s.has(name); }))
+        shared = true;
+      else
+        own.push_back(name);
+    if (!own.empty()) lines.push_back(fmt::format("({}) has {}", r + 1, visible(joined(own))));
+  }
+  if (!shared)
+    fmt::print("no probe or force is in all of them, so every column that they share stands above\n");
+  if (!lines.empty()) fmt::print("not in all of them: {}\n", joined(lines, "; "));
+}
+
 std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.6g}", *value) : "-";
 }
@@ -265,6 +285,7 @@ ExitCode compare_several(const CompareOptions& options) {
       "probes are those of its solver's steps; l2 at the "
       "rows of both, dtw at {} equal steps; deviations are from (1)\n",
       points);
+  print_unshared(sources, options);
   if (!still.empty()) fmt::print("zero in all of them: {}\n", visible(joined(still)));
   if (options.probes.empty() && !options.all) fmt::print("all columns that they share: --all\n");
   if (!options.csv.empty()) {

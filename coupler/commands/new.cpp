@@ -3,6 +3,7 @@
 #include "coupler/new_case/case_lines.hpp"
 #include "coupler/new_case/questions.hpp"
 #include "coupler/new_case/scenes.hpp"
+#include "coupler/participant/launch.hpp"
 #include "proto/files/whole_file.hpp"
 #include "proto/text.hpp"
 #include "proto/visible.hpp"
@@ -60,7 +61,7 @@ ExitCode new_case(NewOptions options) {
   put(stdout, fmt::format("wrote {}\n  size  about {} particles; half the spacing, {:.3g} m: {}\n"
                           "  next  strake check {}\n        strake run {}\n",
                           out.string(), grouped(std::llround(particles_of(scene))), 0.5 * scene.spacing,
-                          cost_of_half(scene), out.string(), out.string()));
+                          cost_of_half(scene), shell_word(out.string()), shell_word(out.string())));
   return ExitCode::done;
 }
 

@@ -193,22 +193,34 @@ std::string percent(const std::optional<double>& part) {
   return part ? fmt::format("{:+.2f} %", 100 * *part) : "not measured";
 }
 
-void print_checks(const std::vector<CheckResult>& checks) {
+/// Says which run a check lacks, as "b has failed"; empty where both are done.
+std::string missing_run(const Results& results, const CheckResult& check) {
+  for (const std::string& name : {check.run, check.against})
+    if (const auto found = results.outcome.find(name); found != results.outcome.end())
+      if (found->second.state != Outcome::State::done)
+        return name + (found->second.state == Outcome::State::failed ? " has failed" : " was not run");
+  return {};
+}
+
+void print_checks(const Results& results, const std::vector<CheckResult>& checks) {
   if (!checks.empty()) fmt::print("\n");
   for (const CheckResult& c : checks) {
     const std::string other = !c.against.empty() ? c.against
                               : c.source.empty() ? c.kind + ", no source is stated"
                                                  : c.kind + ", " + c.source;
     const bool absolute = c.reference && *c.reference == 0;
-    const std::string off =
-        absolute && c.deviation ? fmt::format("{:.3g}", *c.deviation) : percent(c.deviation);
+    const std::string missing = missing_run(results, c);
+    const std::string off = !missing.empty()          ? missing
+                            : absolute && c.deviation ? fmt::format("{:.3g}", *c.deviation)
+                                                      : percent(c.deviation);
     const std::string within = !c.tolerance ? "stated only"
                                : absolute   ? fmt::format("within {:.3g}", *c.tolerance)
                                             : fmt::format("within {:.3g} %", 100 * *c.tolerance);
     fmt::print("{}", visible(fmt::format("  {}  {} {} {}: {} ({})   {}\n",
-                                         !c.pass   ? "    "
-                                         : *c.pass ? "pass"
-                                                   : "FAIL",
+                                         !c.pass            ? "    "
+                                         : !missing.empty() ? "no run"
+                                         : *c.pass          ? "pass"
+                                                            : "FAIL",
                                          c.run, c.probe, c.metric, off, within, other)));
   }
 }
@@ -268,7 +280,7 @@ ExitCode close_study(const StudyOptions& options, const StopRequest& stop, const
   if (failed > 0) fmt::print("  logs    {}\n", (folder / "*.log").string());
   fmt::print("  next    {}\n", stop.requested() || failed > 0
                                    ? "the same command goes on where this one stopped"
-                                   : fmt::format("strake report {}", folder.string()));
+                                   : "strake report " + shell_word(folder.string()));
   if (stop.requested()) return stop.code();
   if (failed == 0 && options.strict && passed != judged) return ExitCode::outside_tolerance;
   return code;
@@ -313,7 +325,7 @@ ExitCode study_command(const StudyOptions& options, const StopRequest& stop) {
     print_orders(orders);
     print_claims(claims);
   }
-  print_checks(checks);
+  print_checks(results, checks);
   if (!stop.requested()) refuse_unknown_probes(results);  // a run that is missing may have the probe
   return close_study(options, stop, results, checks, folder, seconds);
 }

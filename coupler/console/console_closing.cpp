@@ -1,4 +1,5 @@
 #include "coupler/console/console.hpp"
+#include "coupler/participant/launch.hpp"
 #include "coupler/plot/ticks.hpp"
 #include "coupler/summary/notes.hpp"
 #include "coupler/timing/profile.hpp"
@@ -206,10 +207,11 @@ std::vector<std::string> closing_lines(const RunEnd& end, const RunHeader& heade
   if (!end.stopped.empty()) lines.push_back("  logs    " + folder + "/*.log");
   std::vector<std::string> next;
   if (end.stopped == "interrupted") next.push_back("the same command with --resume");
-  next.push_back("strake report " + folder);
-  if (!end.fields.empty()) next.push_back("strake picture " + folder);
-  if (!summary.verdicts.empty()) next.push_back("strake compare " + folder);
-  next.push_back("strake watch " + folder + " --web");
+  const std::string word = shell_word(folder);
+  next.push_back("strake report " + word);
+  if (!end.fields.empty()) next.push_back("strake picture " + word);
+  if (!summary.verdicts.empty()) next.push_back("strake compare " + word);
+  next.push_back("strake watch " + word + " --web");
   for (std::size_t k = 0; k < next.size(); ++k)
     lines.push_back(fmt::format("  {:<8}{}", k == 0 ? "next" : "", next[k]));
   return lines;

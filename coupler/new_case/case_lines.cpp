@@ -75,7 +75,9 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
   lines.table("[fluid]")
       .key("dimension", fmt::format("{}", s.dimension),
            s.dimension == 2 ? "2: the plane, masses and forces are per metre of depth" : "3: space")
-      .number("spacing", s.spacing, "m, between particles; half of it, to judge a result: " + cost_of_half(s))
+      .number(
+          "spacing", s.spacing,
+          "m, between particles" + s.spacing_limit + "; half of it, to judge a result: " + cost_of_half(s))
       .number("density", 1000, "kg/m^3, of the water")
       .number("kinematic_viscosity", 1e-6, "m^2/s, of the water")
       .key("gravity", "[0.0, -9.81, 0.0]", "m/s^2")
@@ -89,9 +91,8 @@ std::string case_file_text(const std::string& kind, const NewScene& s) {
   rest.table("[output]")
       .number("every", round_number(s.end_time / frames_of_run), "s, between frames of the fields");
   rest.table("[coupling.surface]");
-  rest.comment(
-      "window = 1.0e-5                       # s, between exchanges; left out, it follows shape, speed "
-      "and spacing");
+  rest.comment("window, the time between exchanges, is left out: it follows shape, speed and spacing.")
+      .comment("`strake check FILE` says which it is, and why.");
   return text + rest.str();
 }
 

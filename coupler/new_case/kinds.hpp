@@ -34,6 +34,7 @@ struct NewScene {
   std::string title, physics;  // headline of the run; what is computed, in a sentence
   int dimension = 2;
   double spacing = 0;                       // [m] l0
+  std::string spacing_limit;                // what the spacing does not resolve; empty: nothing to say
   double left = 0, right = 0;               // [m] walls of the tank along x
   double back = 0, front = 0;               // [m] the same along z, in three dimensions
   double bottom = 0, surface = 0, top = 0;  // [m] of tank and water; the surface lies under the body

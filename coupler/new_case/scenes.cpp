@@ -106,6 +106,9 @@ NewScene round_scene(const NewAnswers& answers, const std::string& name, int dim
   s.physics =
       fmt::format("Rigid {} of {:g} m radius, {}, {}-D.", name, radius, motion_words(answers), dimension);
   s.spacing = chosen_spacing(answers, "radius", radius, parts);
+  constexpr double resolved_3d = 17;  // spacings on a radius: twelve on the wetted radius at the run's end
+  if (dimension == 3 && s.spacing > radius / resolved_3d)
+    s.spacing_limit = fmt::format(": too few for forces, {:.2g} for some 15 %", radius / resolved_3d);
   const double gap = rigid_gap * s.spacing;
   if (dimension == 2)
     put_wide_tank(s, 3 * radius, 4 * radius, 3 * radius);

@@ -30,6 +30,7 @@ ExchangedData::Entry ExchangedData::entry(const PreciceConfig& config, const Pre
               .quantity = names.of(id.data, config.conservative(id)),
               .components = data.vector ? dimension : 1,
               .value = {},
+              .given = {},
               .waveform = Waveform(data.waveform_degree)};
   const int needed = entry.quantity.components;
   if (needed != 0 && (needed == 1) == data.vector)
@@ -96,6 +97,7 @@ void ExchangedData::resize(const std::string& mesh, int n_points) {
         const Eigen::MatrixXd before = std::move(entry.value);
         entry.value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points);
         if (before.cols() > 0 && before.cols() <= n_points) entry.value.leftCols(before.cols()) = before;
+        entry.given.resize(static_cast<std::size_t>(n_points), false);
       }
     }
     first += place.points;
@@ -152,6 +154,9 @@ void ExchangedData::write(const std::string& mesh, const std::string& data, std:
   const bool whole = entry.components == entry.quantity.components;
   if (all && whole) entry.value.resize(entry.components, n_points);
   if (entry.value.size() == 0) entry.value = Eigen::MatrixXd::Zero(entry.quantity.components, n_points);
+  entry.given.resize(static_cast<std::size_t>(n_points), false);
+  if (all) entry.given.assign(static_cast<std::size_t>(n_points), true);
+  for (const int id : all ? std::span<const int>() : ids) entry.given[static_cast<std::size_t>(id)] = true;
   if (all && whole) {
     std::copy(values.begin(), values.end(), entry.value.data());
     return;
@@ -170,6 +175,7 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
     throw Error(ExitCode::solver_fault, fmt::format("data \"{}\" of mesh \"{}\"", data, mesh),
                 "is not read by this participant", "it reads " + listed(read_));
   check_sizes(*entry, ids.size(), values.size());
+  was_read_ = true;
   if (ids.empty()) return;
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
   const Values now = entry->waveform.at(time);
@@ -188,11 +194,40 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
     std::copy_n(now.data() + static_cast<std::size_t>(ids[i]) * rows, k, &values[i * k]);
 }
 
+void ExchangedData::check_written(const Entry& entry) const {
+  const std::vector<bool>& given = entry.given;
+  const auto missing = static_cast<std::size_t>(std::count(given.begin(), given.end(), false));
+  if (!given.empty() && (missing == 0 || (entry.quantity.conservative && missing < given.size()))) return;
+  if (given.empty() || missing == given.size())
+    throw Error(ExitCode::solver_fault, entry.text(), "was not written before this advance()",
+                "call writeData() for it before each advance(), also where the values are 0;\n"
+                "a solver that has no such data: take their <write-data> out of the configuration");
+  throw Error(
+      ExitCode::solver_fault, entry.text(),
+      fmt::format("was written before this advance() at {} of {} vertices; vertex {} has no value",
+                  given.size() - missing, given.size(),
+                  std::find(given.begin(), given.end(), false) - given.begin()),
+      "call writeData() for all vertices of the mesh before each advance(), with 0 where nothing moves");
+}
+
+void ExchangedData::check_written() const {
+  for (const Entry& entry : written_) check_written(entry);
+}
+
+void ExchangedData::check_read() const {
+  if (was_read_ || read_.empty()) return;
+  throw Error(ExitCode::solver_fault, listed(read_),
+              "was not read so far: the partner has no effect on this solver",
+              "call readData() before each time step;\n"
+              "a solver that needs no such data: take their <read-data> out of the configuration");
+}
+
 std::vector<Field> ExchangedData::take_fields() {
   std::vector<Field> fields;
   for (Entry& entry : written_) {
     const Place& place = place_of(entry);
     Eigen::MatrixXd value = std::exchange(entry.value, {});
+    entry.given.clear();
     if (value.size() == 0) value = Eigen::MatrixXd::Zero(entry.quantity.components, place.points);
     if (place.points < all_points()) {
       const Eigen::MatrixXd own = std::move(value);
@@ -245,10 +280,13 @@ void ExchangedData::receive(const Window& window, const Input& input) {
       if (!field) {
         std::string sent;
         for (const Field& other : sample.fields) sent += (sent.empty() ? "" : ", ") + other.quantity;
-        throw Error(ExitCode::case_file, entry.text(),
-                    fmt::format("is not sent by the partner (looked for {}); it sends {}",
-                                entry.quantity.name, sent.empty() ? "nothing" : sent),
-                    fmt::format("say which it is: STRAKE_PRECICE_NAMES=\"{}=quantity\"", entry.data));
+        throw Error(
+            ExitCode::case_file, entry.text(),
+            fmt::format("is not sent by the partner (looked for {}); it sends {}", entry.quantity.name,
+                        sent.empty() ? "nothing" : sent),
+            fmt::format("say in the case which it is: precice_names = [\"{}={}\"]; or by "
+                        "STRAKE_PRECICE_NAMES",
+                        entry.data, sample.fields.empty() ? "quantity" : sample.fields.front().quantity));
       }
       knots.push_back({sample.time, from_partner(entry, *field)});
     }

@@ -62,9 +62,15 @@ class ExchangedData {
   /// values: the same; at a time of the window [s, absolute].
   void read(const std::string& mesh, const std::string& data, std::span<const int> ids, double time,
             std::span<double> values) const;
+  /// Tests that all data were written since the last call of `take_fields`. Error(solver_fault) names those
+  /// that were not. Conservative data, such as a force, may be written at some vertices alone: the others
+  /// carry none. What does not keep its sum, such as a displacement, needs a value at every vertex.
+  void check_written() const;
   /// What was written since the last call, as the coupler takes it; from here on it is zero. Vectors have
   /// three components where Strake knows the quantity.
   std::vector<Field> take_fields();
+  /// Tests that some of the data to read were read so far. Error(solver_fault) if none was.
+  void check_read() const;
 
   /// The mesh of each quantity that is written, and of each that is read.
   std::map<std::string, std::string> written_on() const { return mesh_of(written_); }
@@ -85,9 +91,10 @@ class ExchangedData {
   struct Entry {
     std::string mesh, data;
     Quantity quantity;
-    int components;         // in the solver
-    Eigen::MatrixXd value;  // quantity.components×n, of what is written; empty: nothing yet
-    Waveform waveform;      // of what is read
+    int components;                // in the solver
+    Eigen::MatrixXd value;         // quantity.components×n, of what is written; empty: nothing yet
+    std::vector<bool> given = {};  // the vertices that were written; empty: none
+    Waveform waveform;             // of what is read
     std::string text() const { return "data \"" + data + "\" of mesh \"" + mesh + "\""; }
   };
   /// Where a mesh stands among all that are joined.
@@ -102,12 +109,14 @@ class ExchangedData {
   int all_points() const { return places_.back().first + places_.back().points; }
   const Entry* find(const std::vector<Entry>&, const std::string& mesh, const std::string& data) const;
   void check_sizes(const Entry&, std::size_t ids, std::size_t values) const;
+  void check_written(const Entry&) const;
   std::string listed(const std::vector<Entry>&) const;
   void check_components(const Entry&, const Field&, int points) const;
   Values from_partner(const Entry&, const Field&) const;
 
   std::vector<Entry> written_, read_;
   std::vector<Place> places_;
+  mutable bool was_read_ = false;
 };
 
 }  // namespace strake

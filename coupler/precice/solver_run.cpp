@@ -239,6 +239,7 @@ void SolverRun::settle(wire::Before before) {
 
 void SolverRun::begin_window(const wire::Advance& advance) {
   const bool again = advance.before == wire::Before::rewind;
+  ongoing_ = true;  // what is thrown below is a fault of this window, and not the run's end
   settle(advance.before);
   write_checkpoint = {.required = implicit_ && !again};
   window_ = advance.window;
@@ -246,7 +247,6 @@ void SolverRun::begin_window(const wire::Advance& advance) {
   history_.clear();
   sends_history_ = sends_history_ || advance.input.wants_history;
   data_.receive(window_, advance.input);
-  ongoing_ = true;
   noted_.reset();  // the solver went on
 }
 
@@ -292,9 +292,11 @@ void SolverRun::check_step(double dt) const {
 
 void SolverRun::advance(double dt) {
   check_step(dt);
+  const bool at_end = dt >= left() - round_off * window_.dt;
+  if (at_end || sends_history_) data_.check_written();
+  if (at_end && answered_ > 0) data_.check_read();
   complete_ = false;
   write_checkpoint = read_checkpoint = {};
-  const bool at_end = dt >= left() - round_off * window_.dt;
   done_ = at_end ? window_.dt : done_ + dt;
   std::vector<Field> fields = data_.take_fields();
   if (sends_history_) history_.push_back({now(), fields});
@@ -307,6 +309,7 @@ void SolverRun::send_window(std::vector<Field> fields) {
   advanced.output = std::move(fields);
   advanced.history = std::move(history_);
   advanced.monitor = sections_.seconds();
+  ++answered_;
   conversation_->answer({0, std::move(advanced)});
   await_window();
 }

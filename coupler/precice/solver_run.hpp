@@ -115,6 +115,7 @@ class SolverRun {
   bool initialized_ = false, finished_ = false, ongoing_ = false, complete_ = false;
   Window window_;
   double done_ = 0;              // [s] of the window
+  long answered_ = 0;            // windows, each iteration counted
   std::vector<Sample> history_;  // what was written inside the window
   std::optional<Error> noted_;
 };

@@ -124,6 +124,7 @@ void Participants::State::died(Member& m, const Exit& exit) {
   std::string fix = m.connection.greeted ? "" : m.fix_launcher();
   if (!m.connection.greeted && fix.empty() && exit.signal == 0 && exit.code == 0)
     fix = "a solver in Python ends with CLASS.main(); ";
+  if (fix.empty() && exit.signal == 0 && exit.code == 1) fix = missing_module(m.log);
   throw Error(code, m.place(), fmt::format("{} {}{}{}", m.process(), to_text(exit), what, log_tail(m.log)),
               fix + m.see_log());
 }

@@ -4,11 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cctype>
 #include <chrono>
 #include <ctime>
 #include <deque>
 #include <fstream>
+#include <string_view>
 
 namespace strake {
 namespace {
@@ -76,6 +78,25 @@ std::string log_tail(const std::filesystem::path& log) {
   for (const std::string& line : of_ranks.empty() ? lines : of_ranks)
     text += "\n" + log.filename().string() + ": " + line;
   return text;
+}
+
+std::string missing_module(const std::filesystem::path& log) {
+  constexpr std::string_view mark = "ModuleNotFoundError: No module named '";
+  constexpr std::array<std::array<std::string_view, 2>, 4> packages{{{"numpy", "python3-numpy"},
+                                                                     {"zmq", "python3-zmq"},
+                                                                     {"google", "python3-protobuf"},
+                                                                     {"scipy", "python3-scipy"}}};
+  for (const std::string& line : last_lines(log).lines) {
+    if (!line.starts_with(mark)) continue;
+    const std::string name = line.substr(mark.size(), line.find('\'', mark.size()) - mark.size());
+    std::string fix = fmt::format(
+        "its Python has no module {}: the program's first line (#!) chooses which Python that is", name);
+    for (const auto& [module, package] : packages)
+      if (name.substr(0, name.find('.')) == module)
+        fix += fmt::format("; #!/usr/bin/python3 is Debian's, with {} from {}", module, package);
+    return fix + "; ";
+  }
+  return {};
 }
 
 }  // namespace strake

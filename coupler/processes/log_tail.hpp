@@ -13,6 +13,9 @@ void note_resume(const std::filesystem::path& log, long window);
 /// line is returned, and not those that its launcher prints after it.
 std::string log_tail(const std::filesystem::path& log);
 
+/// What to do where a program in Python ended because it lacks a module, ending in "; "; else empty.
+std::string missing_module(const std::filesystem::path& log);
+
 /// Whether a rank has said in the log since the last resume why it ends.
 bool has_words_of_ranks(const std::filesystem::path& log);
 

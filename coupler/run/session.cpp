@@ -90,10 +90,9 @@ Session::Session(const CaseView& view, const Options& options) : case_(view), op
   attachments_ = std::make_unique<SessionAttachments>(
       view, [this](const AttachmentKeys& keys) { launch_attachment(keys); });
 
-  Setup setup{.run_folder = options.run_folder,
-              .interface = view.coupled() ? view.common.interface : "none",
-              .partner_mesh = {},
-              .partner_initial = {}};
+  Setup setup;
+  setup.run_folder = options.run_folder;
+  setup.interface = view.coupled() ? view.common.interface : "none";
   if (!view.structures.empty()) {
     set_up_structures(setup);
     setup.partner_mesh = mesh_for_fluid(*structure_);
@@ -121,6 +120,7 @@ void Session::set_up_structures(const Setup& setup) {
   std::vector<Body> bodies;
   for (const SideView& side : case_.structures) {
     RemoteParticipant& one = participants_->connect(side.side, setup);
+    check_motion(case_, side.side, one);
     take_surface(side, one);
     bodies_.push_back(&one);
     bodies.push_back({side.side, &one});

@@ -101,11 +101,16 @@ void Boundary<dim>::check_place(const State<dim>& state, const Points& place) co
     // Water beyond a seam meets the faces of a body on this side, but nothing keeps it out of what goes over.
     const bool past_seam = tank_.past_seam(x) > spacing_;
     if (!past_seam && tank_.distance(x) >= -spacing_) continue;
-    throw Error(built_ ? ExitCode::solver_fault : ExitCode::case_file,
-                fmt::format("structure, t = {:.6g} s", state.time),
-                fmt::format("the body has come to ({:.6g}, {:.6g}{}), beyond the {} of the tank", place(0, k),
-                            place(1, k), dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : "",
-                            past_seam ? "periodic ends" : "walls"),
+    const std::string at = fmt::format("({:.6g}, {:.6g}{})", place(0, k), place(1, k),
+                                       dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : ""),
+                      beyond = past_seam ? "periodic ends" : "walls";
+    if (!built_)
+      throw Error(ExitCode::case_file, fmt::format("structure, t = {:.6g} s", state.time),
+                  fmt::format("the body starts at {} m, beyond the {} of the tank", at, beyond),
+                  "move the body, or enlarge fluid.tank; all lengths are in m, also those of a program of "
+                  "your own: 1 mm is 0.001");
+    throw Error(ExitCode::solver_fault, fmt::format("structure, t = {:.6g} s", state.time),
+                fmt::format("the body has come to {} m, beyond the {} of the tank", at, beyond),
                 past_seam
                     ? "end the run before it gets there, or make fluid.tank longer: no body goes over a seam"
                     : "end the run before it gets there, or make fluid.tank larger: bodies do not rebound "

@@ -28,15 +28,32 @@ constexpr double digit = 1e-12;             // [m] to which a suggested length i
 constexpr int fewest_rows = 4;              // layers of water in depth; fewer have no interior
 constexpr std::array axis_name{'x', 'y', 'z'};
 
-/// Returns a fault if the edge is off the lattice that starts at the tank's corner.
-std::optional<BoxFault> off_lattice(const char* key, double edge, double origin, int axis, double spacing) {
-  const double nearest = origin + std::round((edge - origin) / spacing) * spacing;
-  if (std::abs(edge - nearest) <= lattice_tolerance * spacing) return {};
-  return BoxFault{
-      key,
-      fmt::format("edges a whole number of spacings ({:.9g} m) from the tank's corner: {} = {:.9g} m is not",
-                  spacing, axis_name[static_cast<size_t>(axis)], edge),
-      fmt::format("the nearest is {:.9g} m", std::round(nearest / digit) * digit)};
+/// An edge of a box [m], across an axis.
+struct Edge {
+  int axis;
+  double at;
+};
+
+/// Returns a fault that names all edges which are off the lattice that starts at the tank's corner.
+std::optional<BoxFault> off_lattice(const char* key, const std::vector<Edge>& edges,
+                                    const Eigen::Vector3d& corner, double spacing) {
+  std::string off, nearest;
+  double last = 0;  // [m] where the last of them should be
+  int n = 0;
+  for (const auto& [axis, at] : edges) {
+    const double on = corner[axis] + std::round((at - corner[axis]) / spacing) * spacing;
+    if (std::abs(at - on) <= lattice_tolerance * spacing) continue;
+    const char name = axis_name[static_cast<size_t>(axis)];
+    last = std::round(on / digit) * digit;
+    off += fmt::format("{}{} = {:.9g} m", n > 0 ? ", " : "", name, at);
+    nearest += fmt::format("{}{} = {:.9g} m", n > 0 ? ", " : "", name, last);
+    ++n;
+  }
+  if (n == 0) return {};
+  return BoxFault{key,
+                  fmt::format("edges a whole number of spacings ({:.9g} m) from the tank's corner: {} {} not",
+                              spacing, off, n == 1 ? "is" : "are"),
+                  n == 1 ? fmt::format("the nearest is {:.9g} m", last) : "the nearest are " + nearest};
 }
 
 }  // namespace
@@ -67,9 +84,11 @@ std::optional<BoxFault> water_fault(const std::vector<Eigen::Vector3d>& shape, c
           key,
           fmt::format("water inside fluid.tank, {} from {:.9g} to {:.9g} m", name, tank.min[d], tank.max[d]),
           "shrink the water or enlarge fluid.tank"};
-    if (shape.size() == 2)
-      for (const double edge : {water.min[d], water.max[d]})
-        if (auto fault = off_lattice(key, edge, tank.min[d], d, l0)) return fault;
+    if (shape.size() == 2) {
+      std::vector<Edge> edges;
+      for (int e = d; e < p.dimension; ++e) edges.insert(edges.end(), {{e, water.min[e]}, {e, water.max[e]}});
+      if (auto fault = off_lattice(key, edges, tank.min, l0)) return fault;
+    }
     if (!(water.max[d] > water.min[d]))
       return BoxFault{key,
                       fmt::format("water with a length along {}: fluid.dimension is {}", name, p.dimension),
@@ -101,8 +120,11 @@ std::optional<BoxFault> find_box_fault(const Parameters& p) {
   }
   for (int d = 0; d < p.dimension; ++d) {
     const bool periodic = p.periodic[static_cast<size_t>(d)];
-    if (p.tank_polygon.empty())
-      if (auto fault = off_lattice("tank", tank.max[d], tank.min[d], d, l0)) return fault;
+    if (p.tank_polygon.empty()) {
+      std::vector<Edge> edges;
+      for (int e = d; e < p.dimension; ++e) edges.push_back({e, tank.max[e]});
+      if (auto fault = off_lattice("tank", edges, tank.min, l0)) return fault;
+    }
     // A particle must not meet another and its image at once.
     if (const double least = 2 * (reach + l0); periodic && tank.max[d] - tank.min[d] < least)
       return BoxFault{"periodic",

@@ -69,9 +69,9 @@ std::string advice(const Document& document, const std::string& path) {
   const auto consider = [&](const std::string& known) {
     const auto [table, key] = parent_and_name(known);
     if (table == parent && !key.empty()) siblings.push_back(key);
-    if (table == parent || known.find('[') != std::string::npos) return;
-    // Further down another name of the quantity will do: structure.E is structure.material.young.
     const bool below = !parent.empty() && lies_below(table, parent);
+    if (table == parent || (!below && known.find('[') != std::string::npos)) return;
+    // Further down another name of the quantity will do: structure.E is structure.material.young.
     if (below && key == name) near_by.insert(near_by.begin(), known);
     if (below && key != name && means(key, name)) near_by.push_back(known);
     if (key == name) elsewhere.push_back(known);

@@ -136,7 +136,9 @@ std::optional<Table::BadLine> Table::add_header(std::string_view line) {
   for (std::optional<std::string_view> rest = line; rest;) {
     const std::string_view cell = next_cell(rest);
     const std::size_t bracket = cell.find('[');
-    for (const auto& [mark, name] : {std::pair("];", "';'"), {"]\t", "tabs"}, {"] \t", "tabs"}})
+    const bool bare = bracket == std::string_view::npos;  // "t;x": no unit either
+    for (const auto& [mark, name] :
+         {std::pair(bare ? ";" : "];", "';'"), {bare ? "\t" : "]\t", "tabs"}, {"] \t", "tabs"}})
       if (cell.find(mark) != std::string_view::npos)
         return BadLine{fmt::format("columns are separated by {}", name),
                        "separate columns by commas, and write numbers with a decimal point: 0.25,1.5"};

@@ -171,7 +171,7 @@ class AbaqusReader {
   }
 
   /// Sets hold what the mesh has of their numbers: a short line can name more numbers than there is memory.
-  /// Of several sets an element belongs to the last.
+  /// Of several sets an element's group is the one of its *ELEMENT line, else the last.
   void fill_sets() {
     for (const Members& members : node_members_)
       for_each_in(members, mesh_.node,
@@ -179,9 +179,15 @@ class AbaqusReader {
     std::map<long, std::string> set_of;
     for (const MeshText::Element& element : mesh_.element) set_of[element.number];
     for (const Members& members : element_members_)
-      for_each_in(members, set_of, [&](auto& element) { element.second = members.set; });
+      for_each_in(members, set_of, [&](auto& element) {
+        element.second = members.set;
+        mesh_.element_set[members.set].push_back(element.first);
+      });
     for (MeshText::Element& element : mesh_.element)
-      if (element.group.empty()) element.group = set_of[element.number];
+      if (element.group.empty())
+        element.group = set_of[element.number];
+      else
+        mesh_.element_set[element.group].push_back(element.number);
   }
 
   /// Numbers of a set: first, first + step … up to last.

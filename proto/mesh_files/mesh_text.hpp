@@ -21,7 +21,8 @@ struct MeshText {
   };
   std::map<long, std::array<double, 3>> node;  // [m]
   std::vector<Element> element;
-  std::map<std::string, std::vector<long>> node_set;  // Abaqus
+  std::map<std::string, std::vector<long>> node_set;     // Abaqus
+  std::map<std::string, std::vector<long>> element_set;  // Abaqus: all sets, where an element has several
   /// Vectors on nodes, by name; Gmsh.
   std::map<std::string, std::map<long, std::array<double, 3>>> node_data;
 };

@@ -177,6 +177,9 @@ void check_failure(CaseTable t, Parameters& p) {
     return;
   }
   const bool pair = p.particle.model == ParticleModel::pair;
+  if (pair && f.criterion != FailureCriterion::bond_strain)
+    throw t.error("criterion", "bond_strain: the pair model has no stress of a particle to soften",
+                  "structure.particle.model = \"total_lagrangian\"");
   if (pair && p.particle.rotation == Rotation::kinematic)
     throw t.error("criterion",
                   "none: with the rotation of the neighbourhood a fragment of few bonds spins itself up and "
@@ -194,9 +197,6 @@ void check_failure(CaseTable t, Parameters& p) {
                     "critical_strain = 0.01");
     return;
   }
-  if (pair)
-    throw t.error("criterion", "bond_strain: the pair model has no stress of a particle to soften",
-                  "structure.particle.model = \"total_lagrangian\"");
   check_softening(t, f);
   const double band =
       crack_band(p.dimension, p.particle.radius, p.particle.hourglass).width * p.particle.spacing;

@@ -176,6 +176,16 @@ void read_parts(CaseTable t, bool all, Solid& solid, std::vector<Eigen::Vector3d
   }
 }
 
+/// The names of all [[structure.part]].
+std::vector<std::string> part_names(CaseTable t) {
+  std::vector<std::string> names;
+  for (CaseTable& table : t.tables("part")) {
+    names.emplace_back();
+    table.text("name", names.back(), {});
+  }
+  return names;
+}
+
 /// The error of a support whose face is not there: a wrong name, or a side of a turned or round body, at
 /// whose outermost place no face of a cell lies.
 Error no_face(const CaseTable& table, const Solid& solid, const std::string& on) {
@@ -292,7 +302,7 @@ void read_solid(const CaseFile& file, CaseTable t, Parameters& p) {
   if (!all && body)
     p.solid = tilted_plate   ? solid_of_plate(p)
               : mesh.empty() ? solid_of_boxes(p.dimension, boxes)
-                             : read_mesh(mesh, p.dimension, p.material);
+                             : read_mesh(mesh, p.dimension, p.material, part_names(t));
   if (!all && body) place(p.solid, tilted_plate ? tilt_of(p.plate) : placing);
   if (!all && mesh.empty() && t.has("part"))
     throw t.error("part", "nothing: parts of structure.box say in their own table what they are",

@@ -189,6 +189,31 @@ class MeshReader {
   std::vector<const MeshText::Element*> cells_;
 };
 
+/// Gives each element the set that the case names as a part, where a file has it in several sets. In two
+/// sets with such names a cell would have two materials.
+void take_named_sets(const std::filesystem::path& path, const std::vector<std::string>& names,
+                     MeshText& text) {
+  std::map<long, std::string> set_of;
+  for (const std::string& name : names) {
+    const auto set = text.element_set.find(name);
+    if (set == text.element_set.end()) continue;
+    for (const long number : set->second) {
+      const auto [found, fresh] = set_of.emplace(number, name);
+      if (fresh || found->second == name) continue;
+      const auto element = std::find_if(text.element.begin(), text.element.end(),
+                                        [&](const auto& one) { return one.number == number; });
+      throw Error(
+          ExitCode::case_file, fmt::format("{}:{}", path.string(), element->line),
+          fmt::format("element {} is in two sets that the case names as parts, \"{}\" and \"{}\": which "
+                      "material has it?",
+                      number, found->second, name),
+          "take it out of one of the two sets");
+    }
+  }
+  for (MeshText::Element& element : text.element)
+    if (const auto found = set_of.find(element.number); found != set_of.end()) element.group = found->second;
+}
+
 /// A cell has one material, so that it is in one group. Sides may be in several.
 void refuse_cells_of_two_groups(const std::filesystem::path& path, const MeshText& text, int dimension) {
   const std::set<std::string> kinds = dimension == 2
@@ -208,8 +233,10 @@ void refuse_cells_of_two_groups(const std::filesystem::path& path, const MeshTex
 
 }  // namespace
 
-Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material) {
+Solid read_mesh(const std::filesystem::path& path, int dimension, const Material& material,
+                const std::vector<std::string>& parts) {
   MeshText text = read_mesh_text(path);
+  take_named_sets(path, parts, text);
   refuse_cells_of_two_groups(path, text, dimension);
   if (has_simplices(text, dimension)) text = cut_into_quadrilaterals(text, dimension);
   return MeshReader(path, text, dimension).read(material);

@@ -18,7 +18,10 @@ namespace strake::structure {
 /// Solid::supported, free. All parts have the `material`. A side may be in several groups, a cell in one.
 ///
 /// Throws Error(case_file) with the line of the file that is wrong.
-Solid read_mesh(const std::filesystem::path&, int dimension, const Material&);
+/// parts: names of parts in the case. Of several element sets of an Abaqus file a cell belongs to the one
+/// with such a name.
+Solid read_mesh(const std::filesystem::path&, int dimension, const Material&,
+                const std::vector<std::string>& parts = {});
 
 /// Whether a mesh of this dimension has triangles, tetrahedra or prisms as cells.
 bool has_simplices(const MeshText&, int dimension);

@@ -313,15 +313,19 @@ def misuses(runs):
 
 
 def faults(runs):
-    """A participant that fails by itself in its fifth step."""
+    """A participant that fails by itself in its fifth step, and one that never reads."""
     cases = {"throw": (4, "was left by an exception"), "leave": (4, "called finalize() before the end"),
-             "misuse": (4, "advance(), time step: is -1 s"), "exit": (5, "exited with code 3"), "abort": (5, "signal 6")}
+             "misuse": (4, "advance(), time step: is -1 s"),
+             "unwritten": (4, 'advance(), data "Data-Two" of mesh "Two-Mesh": was not written'), "exit": (5, "exited with code 3"), "abort": (5, "signal 6")}
     for how, (code, text) in cases.items():
         begun = time.monotonic()
         result = runs.run("dummies", "end_time=100", f'structure.arguments=["Two", "dummies.xml", "{how}"]', code=code)
         took = time.monotonic() - begun
         expect(text in result.stderr and result.stderr.startswith("structure, window 3") and took < 1 + WITHIN,
                f"{how}: named, {took:.2f} s after the start: {result.stderr.splitlines()[:1]}")
+    result = runs.run("dummies", 'structure.arguments=["Two", "dummies.xml", "unread"]', code=4)
+    expect(result.stderr.startswith("structure, window 1") and 'data "Data-One" of mesh "Two-Mesh": was not read so far' in result.stderr,
+           f"unread: named: {result.stderr.splitlines()[:1]}")
     result = runs.run("dummies", "structure.solver=made/dummy_c", 'structure.arguments=["Two", "dummies.xml", "misuse"]', "end_time=100", code=4)
     expect("advance(), time step: is -1 s" in result.stderr, "misuse in C: named")
 

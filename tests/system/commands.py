@@ -147,6 +147,12 @@ def compare_draws(place, run):
     told = re.findall(r"^(\S+) \[.*\]   ", several.stdout, re.M)
     expect(told == ["force.y", "p_mid"] and "zero in all of them" in several.stdout and "--all" in several.stdout,
            f"compare of runs tells of probes and forces that are not zero: {told}")
+    other = place / "renamed"
+    shutil.copytree(run, other)
+    (other / "history.csv").write_text((run / "history.csv").read_text().replace("p_mid", "p_low"))
+    apart = strake("compare", run, other, cwd=place)
+    expect("not in all of them: (1) has p_mid\n" in apart.stdout and "no probe or force is in all" not in apart.stdout,
+           f"probes that not both have are named: {apart.stdout[-300:]}{apart.stderr}")
     found = json.loads((run / "summary.json").read_text())["probes"]["p_mid"]
     peak = re.search(r"p_mid.*?\n  peak +\[Pa\] +(\S+)", several.stdout, re.S)
     expect(peak and abs(float(peak.group(1)) / found["peak"] - 1) < 1e-5, f"their peaks are those of the steps: {peak and peak.group(1)}, {found['peak']}")

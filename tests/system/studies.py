@@ -83,6 +83,9 @@ def a_run_that_fails_leaves_the_others(place):
     result = strake("study", "bad.toml", cwd=place)
     expect(result.returncode == 3, f"the exit code is that of the run that failed, not {result.returncode}")
     expect("poisson" in result.stdout and "3 of 4 runs" in result.stdout, f"it is named with its error\n{result.stdout}")
+    expect("FAIL" not in result.stdout
+           and re.search(r"^  no run +particle-r2 tip.y final: particle-r2 has failed \(within 5 %\) +fem-r2", result.stdout, re.M),
+           f"its check says that there is no run\n{result.stdout}")
 
 
 def goes_on_after_ctrl_c(place):

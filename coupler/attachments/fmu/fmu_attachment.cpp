@@ -107,11 +107,29 @@ void FmuAttachment::describe() {
                               visible(model_.model, ""), counted(static_cast<std::size_t>(k), "point"),
                               counted(connections_.inputs.size(), "input"),
                               counted(connections_.outputs.size(), "output")));
+  add_unconnected(lines);
   if (!can_rewind()) lines.push_back(std::string("cannot take back its state: ") + explicit_coupling);
   if (description_.cannot_resume) lines.push_back("cannot save its state: the run cannot be resumed");
   if (model_.fixed_internal_step > 0)
     lines.push_back(fmt::format("steps of {:.6g} s inside: windows of twice as much, or a multiple of that",
                                 model_.fixed_internal_step));
+}
+
+/// Names the inputs that nothing sets, and the points that get no force.
+void FmuAttachment::add_unconnected(std::vector<std::string>& lines) const {
+  std::vector<std::string> idle, free;
+  for (const FmuVariable& variable : model_.variables)
+    if (variable.causality == "input" &&
+        std::none_of(connections_.inputs.begin(), connections_.inputs.end(),
+                     [&](const FmuInput& input) { return input.variable == variable.reference; }))
+      idle.push_back(visible(variable.name, "") +
+                     (variable.start.empty() ? "" : " = " + visible(variable.start, "")));
+  for (Eigen::Index point = 0; point < points_.position.cols(); ++point)
+    if (std::none_of(connections_.outputs.begin(), connections_.outputs.end(),
+                     [&](const FmuOutput& output) { return output.at.point == point; }))
+      free.push_back(fmt::format("{}", point + 1));
+  if (!idle.empty()) lines.push_back("inputs that keep their start: " + joined(idle));
+  if (!free.empty()) lines.push_back("points without a force: " + joined(free));
 }
 
 std::vector<double> FmuAttachment::mean_inputs(const State& from, const State& to) const {

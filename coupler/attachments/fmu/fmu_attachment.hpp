@@ -49,6 +49,7 @@ class FmuAttachment final : public Participant {
     Eigen::MatrixXd displacement, velocity, force;  // 3×k, at `time`; mean over the window that ends then
   };
   void describe();
+  void add_unconnected(std::vector<std::string>& lines) const;
   void check_step(double step);
   std::vector<double> mean_inputs(const State& from, const State& to) const;
   Eigen::MatrixXd force_in(const std::vector<double>& values) const;

@@ -31,6 +31,21 @@ TEST(LogTail, IsOfTheRunSinceTheLastResumeAndKeepsWhatStandsBefore) {
   EXPECT_TRUE(std::regex_match(content(log), whole)) << content(log);
 }
 
+TEST(LogTail, SaysWhatToInstallWhereAModuleOfPythonIsMissing) {
+  const TemporaryFolder place;
+  const auto log = place / "structure.log";
+  std::ofstream(log)
+      << "Traceback:\n    import zmq.utils\nModuleNotFoundError: No module named 'zmq.utils'\n";
+  EXPECT_EQ(missing_module(log),
+            "its Python has no module zmq.utils: the program's first line (#!) chooses which "
+            "Python that is; #!/usr/bin/python3 is Debian's, with zmq from python3-zmq; ");
+  std::ofstream(log) << "ModuleNotFoundError: No module named 'strake'\n";
+  EXPECT_EQ(missing_module(log),
+            "its Python has no module strake: the program's first line (#!) chooses which Python that is; ");
+  std::ofstream(log) << "ValueError: No module\n";
+  EXPECT_EQ(missing_module(log), "");
+}
+
 TEST(LogTail, HoldsTheLastThreeLinesThatAreNoMereInformation) {
   const TemporaryFolder place;
   const auto log = place / "fluid.log";

@@ -26,6 +26,10 @@ CONFIG = """<?xml version="1.0"?>
 TWO_MESHES = CONFIG.replace('  <participant name="Fluid">', '  <mesh name="Solid-Tip" dimensions="2"> <use-data name="Displacement"/> </mesh>\n  <participant name="Fluid">').replace(
     '<provide-mesh name="Solid-Mesh"/>', '<provide-mesh name="Solid-Mesh"/> <provide-mesh name="Solid-Tip"/>').replace(
     '<write-data name="Displacement" mesh="Solid-Mesh"/>', '<write-data name="Displacement" mesh="Solid-Tip"/>')
+# Strake does not know the quantity that is written; it keeps its sum.
+PULL = CONFIG.replace('<write-data name="Displacement"', '<write-data name="Pull"').replace('<use-data name="Gap"/>', '<use-data name="Pull"/>').replace(
+    '<data:scalar name="Gap"/>', '<data:vector name="Pull"/>').replace(
+    '"conservative"/>', '"conservative"/> <mapping:nearest-neighbor direction="write" from="Solid-Mesh" to="Fluid-Mesh" constraint="conservative"/>')
 MESH, READ, WRITE = "Solid-Mesh", "Force", "Displacement"
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 LOAD = np.array([[0, 1.0, 0]] * 4)

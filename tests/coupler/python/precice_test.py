@@ -11,7 +11,7 @@ sys.path[:0] = [sys.argv.pop(1), sys.argv.pop(1)]
 import numpy as np  # noqa: E402
 import precice  # noqa: E402
 from precice.library import library  # noqa: E402
-from precice_case import CONFIG, LOAD, MESH, READ, SQUARE, TWO_MESHES, WINDOWS, WRITE  # noqa: E402
+from precice_case import CONFIG, LOAD, MESH, PULL, READ, SQUARE, TWO_MESHES, WINDOWS, WRITE  # noqa: E402
 from toy_coupler import ToyCoupler, pb  # noqa: E402
 
 class Calls(unittest.TestCase):
@@ -71,10 +71,12 @@ class Calls(unittest.TestCase):
         return solver, ids
 
     def finish(self, solver):
-        """Computes what is left of the run."""
+        """Computes what is left of the run, at rest."""
         while solver.is_coupling_ongoing():
             solver.requires_writing_checkpoint()
             solver.requires_reading_checkpoint()
+            solver.read_data(MESH, READ, range(4), 0)
+            solver.write_data(MESH, WRITE, range(4), np.zeros((4, 2)))
             solver.advance(solver.get_max_time_step_size())
         solver.finalize()
         self.thread.join(10)
@@ -115,19 +117,21 @@ class Calls(unittest.TestCase):
         solver, _ = self.ready(windows=[(0, "NOTHING", 1.0), (1, "COMMIT", 1.0)], config=CONFIG.replace("serial-implicit", "serial-explicit"))
         self.assertFalse(solver.requires_writing_checkpoint())
         self.finish(solver)
-        solver, _ = self.ready(config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        solver, ids = self.ready(config=CONFIG.replace("serial-implicit", "serial-explicit"))
+        solver.write_data(MESH, WRITE, ids, SQUARE)
         self.refused(lambda: solver.advance(1), "explicit scheme", "max_iterations = 1")
 
     def test_what_was_written_is_zero_again_after_a_step(self):
-        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)])
+        solver, ids = self.ready(windows=[(0, "NOTHING", 1.0)], config=PULL)
         solver.requires_writing_checkpoint()
-        solver.write_data(MESH, WRITE, ids, SQUARE)
+        solver.write_data(MESH, "Pull", ids, SQUARE)
         solver.advance(0.5)
-        solver.write_data(MESH, WRITE, ids[:1], [(3, 4)])
+        self.refused(lambda: solver.advance(0.5), 'data "Pull" of mesh "Solid-Mesh": was not written')
+        solver.write_data(MESH, "Pull", ids[:1], [(3, 4)])  # a force may be written at some vertices alone
         solver.advance(0.5)
         solver.finalize()
         self.thread.join(10)
-        self.assertEqual(np.frombuffer(self.answers[1][1][0]).reshape(4, 3).tolist(), [[3, 4, 0]] + [[0, 0, 0]] * 3)
+        self.assertEqual(np.frombuffer(self.answers[1][1][0]).reshape(4, 2).tolist(), [[3, 4]] + [[0, 0]] * 3)
         self.assertEqual([w.what for w in self.coupler.working], ["time steps inside the window"])
 
     def test_sections_are_seconds(self):
@@ -232,6 +236,27 @@ class Calls(unittest.TestCase):
         self.refused(lambda: self.solver(TWO_MESHES.replace('"Solid-Tip" dimensions="2"', '"Solid-Tip" dimensions="3"')),
                      'provides "Solid-Mesh" in 2 dimensions and "Solid-Tip" in 3')
 
+    def test_data_that_are_not_written_or_not_read_are_named(self):
+        solver, ids = self.ready([(0, "NOTHING", 1.0), (1, "COMMIT", 1.0)])
+        name = 'advance(): data "Displacement" of mesh "Solid-Mesh": was '
+        solver.requires_writing_checkpoint()
+        self.refused(lambda: solver.advance(1), name + "not written before this advance()", "write_data()", "<write-data>")
+        solver.write_data(MESH, WRITE, ids[[0, 2, 3]], SQUARE[:3])
+        self.refused(lambda: solver.advance(1), name + "written before this advance() at 3 of 4 vertices; vertex 1 has no value", "write_data()")
+        solver.write_data(MESH, WRITE, ids[1:2], SQUARE[:1])
+        solver.advance(0.5)  # inside the window nothing is sent
+        self.refused(lambda: solver.advance(0.5), name + "not written")
+        solver.write_data(MESH, WRITE, ids, SQUARE)
+        solver.advance(0.5)
+        solver.requires_writing_checkpoint()
+        solver.requires_reading_checkpoint()
+        solver.write_data(MESH, WRITE, ids, SQUARE)
+        self.refused(lambda: solver.advance(1), 'advance(): data "Force" of mesh "Solid-Mesh": was not read so far', "read_data()", "<read-data>")
+        solver.read_data(MESH, READ, ids, 1.0)
+        solver.advance(1)
+        solver.finalize()
+        self.thread.join(10)
+
     def test_calls_in_a_wrong_order_are_refused_by_name(self):
         solver = self.solver()
         for name in ("is_coupling_ongoing", "is_time_window_complete", "get_max_time_step_size", "requires_writing_checkpoint",
@@ -247,6 +272,7 @@ class Calls(unittest.TestCase):
         for step, word in ((0, "greater than 0"), (-1, "greater than 0"), (float("inf"), "finite"), (float("nan"), "finite"), (1.01, "1 s are left of the window")):
             self.refused(lambda: solver.advance(step), "advance(): time step: is", word)
         solver.requires_writing_checkpoint()
+        solver.write_data(MESH, WRITE, ids, SQUARE)
         solver.advance(1)
         self.refused(lambda: solver.advance(1), "advance(): checkpoint: the solver has not asked", "requires_reading_checkpoint()")
         self.finish(solver)

@@ -325,6 +325,17 @@ TEST(Boundary, ABodyThatFallsThroughTheFloorEndsTheRun) {
   }
 }
 
+TEST(Boundary, ABodyThatStartsBeyondTheWallsIsToldOfItsUnit) {
+  try {
+    const Scene scene(rectangle(100, 50, 200, 20, 10));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::case_file);
+    EXPECT_NE(to_text(e).find("the body starts at ("), std::string::npos) << to_text(e);
+    EXPECT_NE(to_text(e).find("1 mm is 0.001"), std::string::npos) << to_text(e);
+  }
+}
+
 // Of a body over the seam the water sees the part on one side alone: a wedge had a third of its force.
 TEST(Boundary, ABodyThatGoesOverASeamEndsTheRun) {
   Parameters p = tank_case(0.6, 0.2, l0, 0.2);

@@ -166,6 +166,9 @@ TEST(FluidKeys, a_time_step_longer_than_the_window_is_refused) {
 TEST(FluidKeys, water_and_tank_that_do_not_fit_are_refused_at_their_key) {
   expect_in(error_of({"fluid.water=[[-1.0,-0.5],[1.2,0.0]]"}), "fluid.water");
   expect_in(error_of({"fluid.water=[[-1.0,-0.5],[1.0,0.004]]"}), "the nearest is 0 m");
+  const std::string odd = error_of({"fluid.tank=[[-1.0,-0.5],[1.004,0.493]]"});
+  expect_in(odd, "x = 1.004 m, y = 0.493 m are not");
+  expect_in(odd, "the nearest are x = 1 m, y = 0.49 m");
   expect_in(error_of({"fluid.tank=[[-1.0,-0.5],[1.001,0.5]]"}), "fluid.tank");
   expect_in(error_of({"fluid.spacing=0.25"}), "particles across the water");
 }

@@ -35,7 +35,7 @@ int run(const std::string& name, const std::string& config, const std::string& h
   while (coupling.isCouplingOngoing()) {
     if (coupling.requiresWritingCheckpoint()) std::puts("saves");
     const double dt = coupling.getMaxTimeStepSize();
-    coupling.readData(mesh, other, ids, dt, values);
+    if (how != "unread") coupling.readData(mesh, other, ids, dt, values);
     if (++steps == 5) fail(how, coupling);
     if (how == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(10));
 #if defined(STRAKE_NAMES_OF) && STRAKE_NAMES_OF >= 302
@@ -45,7 +45,7 @@ int run(const std::string& name, const std::string& config, const std::string& h
 #else
     for (double& value : values) value += 1;
 #endif
-    coupling.writeData(mesh, own, ids, values);
+    if (how != "unwritten" || steps < 5) coupling.writeData(mesh, own, ids, values);
     coupling.advance(dt);
     std::puts(coupling.requiresReadingCheckpoint() ? "goes back" : "goes on");
   }
@@ -56,7 +56,7 @@ int run(const std::string& name, const std::string& config, const std::string& h
 
 }  // namespace
 
-/// dummy One|Two CONFIG [throw | leave | exit | abort | misuse | slow]
+/// dummy One|Two CONFIG [throw | leave | exit | abort | misuse | slow | unwritten | unread]
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);

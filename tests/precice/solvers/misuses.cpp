@@ -66,6 +66,9 @@ void in_the_run(Participant& p) {
   for (const double dt : std::vector<double>{0, -1, INFINITY, NAN})
     refused("advance()", "finite and greater than 0", [&] { p.advance(dt); });
   refused("advance()", "1 s are left", [&] { p.advance(1.5); });
+  refused("advance()", "data \"Data-One\" of mesh \"One-Mesh\": was not written", [&] { p.advance(1); });
+  p.writeData(mesh, "Data-One", {ids.data(), 2}, {values.data(), 6});
+  refused("advance()", "at 2 of 3 vertices; vertex 2 has no value", [&] { p.advance(1); });
   refused("readData()", "is not read", [&] { p.readData(mesh, "Data-One", ids, 0, values); });
   refused("readData()", "a time from 0", [&] { p.readData(mesh, "Data-Two", ids, -0.1, values); });
   refused("readData()", "a time from 0", [&] { p.readData(mesh, "Data-Two", ids, 1.1, values); });

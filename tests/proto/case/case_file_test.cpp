@@ -220,6 +220,15 @@ TEST(CaseFile, AnotherNameOfAKeyFurtherDownIsUnderstood) {
   }
 }
 
+TEST(CaseFile, AKeyFurtherDownInATableOfAListIsNamed) {
+  CaseFile file = CaseFile::parse("[[box]]\nleft = \"clamped\"\n");
+  std::string text;
+  for (CaseTable& box : file.root().tables("box")) box.table("supports").text("left", text, {});
+  file.root().table("plate").table("supports").text("left", text, {});
+  const std::string told = text_of_error([&] { file.refuse_unknown(); }, ExitCode::case_file);
+  EXPECT_NE(told.find("did you mean box[0].supports.left?"), std::string::npos) << told;
+}
+
 TEST(CaseFile, NumbersCanBeLookedAtWithoutDeclaringThem) {
   CaseFile file =
       CaseFile::parse("a = 2\nb = [[-1, 0.5], [1.5, 3]]\nc = true\nd = [1, inf]\n", "case.toml", {"e.f=7"});

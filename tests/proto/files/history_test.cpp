@@ -152,6 +152,7 @@ TEST(ReadTable, NamesFileAndLineOfWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(text("time,x\n1,2\n").find("a.csv:1: \"time\" names no column"), std::string::npos);
   EXPECT_NE(text("time [s];x [m]\n1;2,5\n").find("a.csv:1: columns are separated by ';'"), std::string::npos);
+  EXPECT_NE(text("t;x\n1;2\n").find("a.csv:1: columns are separated by ';'"), std::string::npos);
   EXPECT_NE(text("time [s]\tx [m]\n1\t2\n").find("a.csv:1: columns are separated by tabs"),
             std::string::npos);
   EXPECT_NE(text(std::string("\xff\xfet\0i\0", 6)).find("UTF-16"), std::string::npos);

@@ -214,6 +214,9 @@ TEST(StructureKeys, FailureNeedsWhatItsCriterionIsMadeOf) {
         "structure.particle.rotation=dynamic"},
        "");
   says({of + "criterion=von_mises"}, "strength");
+  says({of + "criterion=von_mises", of + "strength=5e8", of + "fracture_energy=1e4",
+        "structure.particle.model=pair"},
+       "the pair model has no stress of a particle");
   says({of + "criterion=von_mises", of + "strength=5e8"}, "fracture_energy");
   says({of + "criterion=von_mises", of + "strength=5e8", of + "fracture_energy=1e4"}, "");
   says({of + "criterion=von_mises", of + "strength=5e8", of + "fracture_energy=1e3"}, "spacing below");

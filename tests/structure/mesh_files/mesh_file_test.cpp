@@ -121,6 +121,28 @@ TEST_F(MeshFile, AbaqusHasElementSetsAndNodeSets) {
   EXPECT_EQ(facets_named(solid, "lower").size(), 2U);
 }
 
+// A set of all cells, or of those at a surface, takes no cell out of the part that the case names.
+TEST_F(MeshFile, OfSeveralSetsOfAbaqusTheOneThatTheCaseNamesCounts) {
+  const std::string sets =
+      changed(inp, ", ELSET=steel", ", ELSET=all") +
+      "*ELSET, ELSET=rubber\n1\n*ELSET, ELSET=steel\n2\n*ELSET, ELSET=wet, INTERNAL\n1, 2\n";
+  const std::vector<std::string> names = {"steel", "rubber"};
+  const Solid solid = read_mesh(file("a.inp", sets), 2, {.density = 1}, names);
+  ASSERT_EQ(solid.parts.size(), 2U);
+  EXPECT_EQ(solid.part(0).name, "rubber");
+  EXPECT_EQ(solid.part(1).name, "steel");
+  try {
+    read_mesh(file("b.inp", sets + "*ELSET, ELSET=rubber, GENERATE\n1, 2\n"), 2, {.density = 1}, names);
+    FAIL() << "a cell of two parts";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("element 2 is in two sets that the case names as parts, \"steel\" and "
+                        "\"rubber\": which material has it?"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 // A line can name more numbers than there is memory, and end at the largest number there is.
 TEST_F(MeshFile, AGeneratedSetOfAbaqusIsWhatTheMeshHasOfItsNumbers) {
   for (const char* line : {"1, 9223372036854775807", "1, 9223372036854775807, 1", "1, 3, 1"}) {

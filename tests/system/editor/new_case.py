@@ -53,8 +53,12 @@ def kinds_pass_check(place, unit_of):
         file = place / f"{kind}.toml"
         expect(made.returncode == 0 and f"strake run {kind}.toml" in made.stdout, f"new {kind}: exit {made.returncode}\n{made.stderr}")
         comments_hold(kind, file.read_text(), unit_of)
+        idle = re.findall(r"^# window = .*", file.read_text(), re.M)
+        expect(not idle, f"{kind}: no window waits behind a #, with a value that is not this case's {idle}")
         checked = strake("check", file, *without_fem(file), cwd=place)
         expect(checked.returncode == 0, f"check {kind}.toml: exit {checked.returncode}\n{checked.stderr}")
+        coarse = "too few for forces"
+        expect((coarse in checked.stdout) <= (coarse in file.read_text()), f"{kind}: what check says of the resolution stands in the file")
         far_off = [line for line in checked.stdout.splitlines() if "Strake would take" in line]
         expect(not far_off, f"{kind}: no key is far from what Strake would take {far_off}")
 

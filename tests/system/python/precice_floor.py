@@ -80,6 +80,17 @@ def faults(place, solver, line, name):
                f"{name}: {fault}: exit {result.returncode} after {took:.1f} s, {result.stderr.splitlines()[0] if result.stderr else 'no word'}")
 
 
+def other_names(place):
+    """Data whose names the coupler does not know: what is missing is said before the first window, or in it."""
+    for ours, theirs, words in (("Displacement", "Disp0", ("structure: sends no displacement", "it sends Disp0", 'precice_names = ["Disp0=displacement"]')),
+                                ("Force", "Forces0", ('data "Forces0" of mesh "Floor-Mesh": is not sent by the partner', "it sends force", 'precice_names = ["Forces0=force"]'))):
+        for file, new in (("floor.py", "named.py"), ("precice-config.xml", "named.xml")):
+            (place / new).write_text((place / file).read_text().replace(f'"{ours}"', f'"{theirs}"').replace("precice-config.xml", "named.xml"))
+        (place / "named.py").chmod(0o755)
+        result = strake("run", case_of(place, "named.py"), "--force", cwd=place)
+        expect(result.returncode in (3, 4) and all(word in result.stderr for word in words), f"{theirs}: exit {result.returncode}, {result.stderr[:300]}")
+
+
 def refused_to_resume(place):
     case = case_of(place, "floor.py")
     words = ("run", case, "--tag", "cut", "--set", "run.checkpoint_windows=5")
@@ -99,5 +110,6 @@ with folder() as name:
     connected_by_its_environment(here)
     faults(here, "floor.py", 'force = participant.read_data(mesh, "Force", ids, dt)[:, 1].sum()', "precice")
     faults(here, "spring.py", '(y, v), a, force = self.state, self.k * dt**2 / (4 * self.m), load["force"][:, 1].sum()', "strake")
+    other_names(here)
     refused_to_resume(here)
 finish()

@@ -35,6 +35,16 @@ TEST(FmuAttachment, SaysItsPointsForceAndColumns) {
   EXPECT_EQ(description.columns[0].unit, "newton");
   EXPECT_EQ(description.columns[1].name, "mass(1).x");
   EXPECT_EQ(description.lines.at(0), "oscillator.fmu   Oscillator, 2 points, 2 inputs, 1 output");
+  EXPECT_EQ(description.lines.at(1), "points without a force: 2");
+}
+
+TEST(FmuAttachment, SaysWhatIsNotConnected) {
+  FmuParameters p = oscillator_of(spring_and_mass());
+  EXPECT_EQ(FmuAttachment(p, setup_of()).description().lines.size(), 1u);
+  p.inputs.pop_back();
+  const FmuAttachment fmu(p, setup_of());
+  ASSERT_EQ(fmu.description().lines.size(), 2u);
+  EXPECT_EQ(fmu.description().lines[1], "inputs that keep their start: end.w = 0");
 }
 
 TEST(FmuAttachment, GivesTheForceOfItsInputsAtTheStart) {
