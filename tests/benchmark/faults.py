@@ -7,11 +7,12 @@ explicit and implicit, serial and parallel. A dead participant must be named wit
 coupling.frozen_after (2 s here). Disk full is a small tmpfs where mounting is allowed, else a limit on the size of files;
 the table says which. Exits 1 when an exit code, a resume, a text, or what is left is not as it should be.
 
-    tests/benchmark/faults.py [BIN_DIR] [--toys DIR] [--scheme NAME]... [--only WORD] [--texts FILE]
+    tests/benchmark/faults.py [BIN_DIR] [--toys DIR] [--scheme NAME]... [--only WORD] [--texts FILE] [--at-once N]
 
 With --texts the output of the run is compared with the block of that name in FILE; STRAKE_WRITE_TEXTS=1 writes the
 blocks anew.
 """
+import concurrent.futures
 import os
 import pathlib
 import re
@@ -158,30 +159,31 @@ FULL = [  # name, case, sets, bytes of the disk, largest file
 ]
 
 
-def full_disk(options, sets, mounts):
-    """The lines of FULL: name, run, place, the untouched history."""
-    for name, case, more, size, largest in FULL:
-        if options.only not in name:
-            continue
-        for limited in ([False, True] if mounts else [True]):
-            with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
-                place = Place(options, pathlib.Path(folder))
-                whole = Run(place, "--runs", "reference", sets=[*sets, *more], case=case)
-                whole.folder = place.path / "reference" / whole.case.stem
-                if whole.end() != 0:
-                    raise SystemExit(f"{name}: the untouched run fails\n" + "\n".join(line for _, line in whole.lines))
-                disk = place.path / "runs"
-                disk.mkdir()
-                if not limited:
-                    mount(disk, size)
-                run = Run(place, sets=[*sets, *more], case=case, limit=largest if limited else None)
-                run.process.wait()
-                time.sleep(0.05)
-                if not limited:
-                    make_room(disk)
-                yield f"{name} ({'file-size limit' if limited else 'tmpfs of ' + size})", run, place, whole.history()
-                if not limited:
-                    unmount(disk)
+def full_disk(options, sets, texts, full, limited):
+    """One line of FULL, with a limit on the size of files or on a small disk."""
+    name, case, more, size, largest = full
+    with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
+        place = Place(options, pathlib.Path(folder))
+        whole = Run(place, "--runs", "reference", sets=[*sets, *more], case=case)
+        whole.folder = place.path / "reference" / whole.case.stem
+        if whole.end() != 0:
+            raise SystemExit(f"{name}: the untouched run fails\n" + "\n".join(line for _, line in whole.lines))
+        disk = place.path / "runs"
+        disk.mkdir()
+        if not limited:
+            mount(disk, size)
+        run = Run(place, sets=[*sets, *more], case=case, limit=largest if limited else None)
+        run.process.wait()
+        time.sleep(0.05)
+        if not limited:
+            make_room(disk)
+        name = f"{name} ({'file-size limit' if limited else 'tmpfs of ' + size})"
+        # Where not even the first checkpoint found room there is nothing to resume.
+        resumable = True if (run.folder / "checkpoint" / "latest").exists() else None
+        judged = judge(name, run, place, None, 6, resumable, None, whole.history(), texts)
+        if not limited:
+            unmount(disk)
+    return name, place.path, 6, judged
 
 
 DEAD = 1.0  # s
@@ -294,13 +296,22 @@ class Table:
         self.failed = 0
         print(f"{scheme}\n{'what happens':47} {'message after':>13} {'exit':>5}  {'resumable':16} {'left':10} message", flush=True)
 
-    def row(self, name, place, code, judged):
+    def row(self, name, path, code, judged):
         delay, message, got, way_on, left, wrong = judged
         after = "-" if delay is None or code in (0, -9) else f"{delay:.2f} s"
-        print(f"{name:47} {after:>13} {got:>5}  {way_on:16} {left:10} {message.replace(str(place.path), '')[:150]}", flush=True)
+        print(f"{name:47} {after:>13} {got:>5}  {way_on:16} {left:10} {message.replace(str(path), '')[:150]}", flush=True)
         for what in wrong:
             print(f"    WRONG: {what}", flush=True)
         self.failed += bool(wrong)
+
+
+def fault(options, sets, texts, whole, number):
+    """One line of FAULTS."""
+    name, act, code, resumable, most = FAULTS[number]
+    with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
+        place = Place(options, pathlib.Path(folder))
+        run, since = act(place, sets)
+        return name, place.path, code, judge(name, run, place, since, code, resumable, most, whole, texts)
 
 
 def main():
@@ -309,6 +320,7 @@ def main():
     parser.add_argument("--scheme", action="append", choices=list(SCHEMES))
     parser.add_argument("--only", default="", help="faults whose name holds this word")
     parser.add_argument("--texts", type=pathlib.Path, metavar="FILE", help="what the runs must say")
+    parser.add_argument("--at-once", type=int, default=1, metavar="N", help="faults at a time; times to messages are those of 1")
     options = parser.parse_args()
     texts = Texts(options.texts)
     options.toys = options.toys or options.bin_dir / ".." / "tests"
@@ -327,17 +339,13 @@ def main():
             if reference.end() != 0:
                 raise SystemExit("the toys do not run: " + "\n".join(line for _, line in reference.lines))
             whole = reference.history()
-        for name, act, code, resumable, most in FAULTS:
-            if options.only not in name:
-                continue
-            with tempfile.TemporaryDirectory(prefix="strake-faults-") as folder:
-                place = Place(options, pathlib.Path(folder))
-                run, since = act(place, sets)
-                table.row(name, place, code, judge(name, run, place, since, code, resumable, most, whole, texts))
-        for name, run, place, untouched in full_disk(options, sets, mounts):
-            # Where not even the first checkpoint found room there is nothing to resume.
-            resumable = True if (run.folder / "checkpoint" / "latest").exists() else None
-            table.row(name, place, 6, judge(name, run, place, None, 6, resumable, None, untouched, texts))
+        disks = [(full, limited) for full in FULL if options.only in full[0] for limited in ([False, True] if mounts else [True])]
+        # Most of the time a run waits until a fault is noticed: several at once save that, each in a process that adopts its own orphans.
+        with concurrent.futures.ProcessPoolExecutor(1 if texts.writes else options.at_once, initializer=adopt_orphans) as pool:
+            for line in [pool.submit(fault, options, sets, texts, whole, number)
+                         for number, one in enumerate(FAULTS) if options.only in one[0]] + [
+                             pool.submit(full_disk, options, sets, texts, *disk) for disk in disks]:
+                table.row(*line.result())
         failed += table.failed
     print(f"{failed} wrong")
     raise SystemExit(bool(failed))

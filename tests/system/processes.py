@@ -1,4 +1,5 @@
 """Runs of the real programs for the system tests: start, find the processes, kill, wait, read what is left."""
+import concurrent.futures
 import csv
 import os
 import pathlib
@@ -29,9 +30,16 @@ def folder():
     return tempfile.TemporaryDirectory(prefix="strake-test-")
 
 
-def strake(*words, cwd, timeout=120):
-    return subprocess.run([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=ENV, capture_output=True, text=True,
+def strake(*words, cwd, timeout=120, env=ENV):
+    return subprocess.run([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=env, capture_output=True, text=True,
                           timeout=timeout)
+
+
+def side_by_side(tasks, most=2):
+    """Calls functions without operands, `most` at a time: for runs that wait more than they compute."""
+    with concurrent.futures.ThreadPoolExecutor(most) as pool:
+        for done in [pool.submit(task) for task in tasks]:
+            done.result()
 
 
 def run_case(place, case, *words, code=0):
