@@ -90,20 +90,19 @@ template <int dim>
 void LeastSquaresScheme<dim>::share_to_air(const Boundary<dim>& boundary, const State<dim>& state,
                                            const Neighbours& far) {
   wall_.to_air.setZero(dim, boundary.water());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < boundary.water(); ++i)
-    if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
-      wall_.to_air.col(i) = to_air(boundary, state, far, i);
-  ranks_.update(wall_.to_air, Rings::first);
   if constexpr (dim == 2) {
     ranks_.update(surface_.kappa, Rings::first);
     wall_.ahead.setZero(dim, boundary.water());
-#pragma omp parallel for schedule(static)
-    for (std::int64_t i = 0; i < boundary.water(); ++i)
-      if (const auto columns = far.row(i); !columns.empty() && columns.back() >= boundary.first_of_bodies())
-        wall_.ahead.col(i) = ahead(boundary, state, far, i);
-    ranks_.update(wall_.ahead, Rings::first);
   }
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < boundary.water(); ++i) {
+    const auto columns = far.row(i);
+    if (columns.empty() || columns.back() < boundary.first_of_bodies()) continue;
+    wall_.to_air.col(i) = to_air(boundary, state, far, i);
+    if constexpr (dim == 2) wall_.ahead.col(i) = ahead(boundary, state, far, i);
+  }
+  ranks_.update(wall_.to_air, Rings::first);
+  if constexpr (dim == 2) ranks_.update(wall_.ahead, Rings::first);
 }
 
 /// Returns tan β of the angle between a face with the normal n and the surface of water. out: to the air,
