@@ -43,7 +43,9 @@ void LeastSquaresScheme<dim>::share_rows(const Neighbours& far, PressureSystem& 
 /// stood in it (F88)
 ///   δ' = (1−σ) δ/(1 + (δ/δ_m)²) .
 /// Drift inside the water leaves lacks of some percent. A larger one is air: between the water and a hull
-/// that leans over it, which no pressure may pull in.
+/// that leans over it, which no pressure may pull in. With sound what the pressure compresses is no error:
+/// less (pⁿ − p_0)/(ρc²), p_0 the pressure of the water when δ was 0. With a body that stood in it this is
+/// the pressure at rest, else 0.
 template <int dim>
 double LeastSquaresScheme<dim>::counted_deviation(const Boundary<dim>& boundary, const State<dim>& state,
                                                   std::int64_t i) const {
@@ -56,14 +58,22 @@ double LeastSquaresScheme<dim>::counted_deviation(const Boundary<dim>& boundary,
   };
   const double now = counted(volume_deviation(i)),
                started = starts_packed() ? start_share(boundary, state, i) : 0;
-  return started > 0 ? now - started * counted(start_.deviation[state.id[static_cast<std::size_t>(i)]]) : now;
+  const double packed =
+      started > 0 ? now - started * counted(start_.deviation[state.id[static_cast<std::size_t>(i)]]) : now;
+  const double c = p_.sound_speed;
+  if (!std::isfinite(c)) return packed;
+  // This pressure is of the same time as the volumes.
+  const auto& p = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
+  const Vector<dim> x = state.position.col(i);
+  const double at_start = p_.submerged ? still_pressure(boundary, x) : 0.0;  // p_0
+  return packed - compressible(boundary, x) * (p[i] - at_start) / (p_.density * c * c);
 }
 
 /// Assembles row i of (F40), with the sign of PressureSystem and s = n0 λ/(2d):
 ///   Σ_water w (p_i − p_j) + κ p_i + s p_i/(c²ΔtΔt_p)
 ///     + (Σ_layers w (−n·P r) + s g)/(cΔt_p) (p_i − p_still)
-///     = Σ_layers w (ρ/Δt_p) (u**−U)·P r − (1−σ) ρ g·m_P − s (ρ/Δt_p) (∇·u** − ε_i e_i)
-///       + s pⁿ/(c²ΔtΔt_p) + s (ρ γ/(ΔtΔt_p)) (δ − pⁿ/(ρc²)),
+///     = Σ_layers w (ρ/Δt_p) (u**−U)·P r − (1−σ) ρ g·m_P − s (ρ/Δt_p) (∇·u** − E_i)
+///       + s pⁿ/(c²ΔtΔt_p) + s (ρ γ/(ΔtΔt_p)) (δ − (pⁿ − p_0)/(ρc²)),
 /// n the normals of absorbing walls, γ of drift_share. With a SoundLayer 1/c² and the sum over absorbing
 /// walls are multiplied by its compressible part at the particle's depth, and g is its own. δ = Σ W/Σ_lattice
 /// W − 1 is not below zero beside the surface. Where 1 − π > 0, that part of the change is left to the next
@@ -80,13 +90,12 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
   share_rows(far, system);
   const CarriedFraction fraction = carried_fraction(dt);
   const double part = corrected_fraction(state);
+  equation_.kept = p_.submerged ? fraction.elsewhere * part : 0.0;
   const double rho = p_.density, c = p_.sound_speed, projection = now_.projection;
   const double scale = laplacian_.n0 * laplacian_.lambda0 / (2.0 * dim);
   const double compression = std::isfinite(c) ? scale / (c * c * dt * projection) : 0.0;
   double drift = scale * rho * drift_share(dt) / (dt * projection);
   if (p_.scheme.source == Source::divergence) drift = 0;
-  // This pressure is of the same time as the volumes.
-  const auto& p_measured = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (!ranks_.owns(i)) continue;  // its owner has the row
@@ -99,16 +108,16 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
       sheet = scale * sound_.yields(depth) / (c * projection);
     }
     const double absorption = sound * wall.absorption + sheet;  // Y_i
-    double deviation = counted_deviation(boundary, state, i);
+    const double deviation = counted_deviation(boundary, state, i);
     const double share = surface_.share[i], own = local + absorption;
-    if (std::isfinite(c)) deviation -= sound * p_measured[i] / (rho * c * c);
     equation_.own[i] = static_cast<float>(own);
     double& source = equation_.source[i] = local * state.pressure[i] + drift * deviation;
     if (absorption > 0) source += absorption * still_pressure(boundary, state.position.col(i));
     system.diagonal[i] = moments_.diagonal[i] + surface_.kappa[i] + own;
     const double incompressible = 1 - local / system.diagonal[i];
     double carried = 0.5 * (1 + share) * fraction.of(wall.beside) * part * incompressible;
-    if (images_.at_edge[static_cast<std::size_t>(i)]) carried = std::max(carried, fraction.at_edge * part);
+    if (!p_.submerged && images_.at_edge[static_cast<std::size_t>(i)])
+      carried = std::max(carried, fraction.at_edge * part);
     equation_.incompressible[i] = static_cast<float>(incompressible);
     equation_.carried[i] = static_cast<float>(carried);
     if (now_.deferred > 0)
@@ -116,8 +125,10 @@ void LeastSquaresScheme<dim>::assemble(const Boundary<dim>& boundary, State<dim>
                 (rho / projection *
                      (scale * divergence(i) - wall.flux + now_.gravity_velocity.dot(wall.projected)) +
                  own * state.pressure[i] - source);
+    const double at_edge = state.edge_divergence[i];  // k_i of (F94)
+    const double left = divergence(i) - carried * (state.residual_divergence[i] - at_edge);
     system.right[i] =
-        rho / projection * (wall.flux - scale * (divergence(i) - carried * state.residual_divergence[i])) -
+        rho / projection * (wall.flux - scale * (left - equation_.kept * at_edge)) -
         rho * gravity.dot((1 - share) * moments_.m_projected.col(i).template cast<double>() + wall.images) +
         source + surface_.kappa[i] * air_->above(i);
     // Without a neighbour and without compressibility the pressure is undetermined: it is set to zero.
@@ -200,7 +211,8 @@ double LeastSquaresScheme<dim>::drift_share(double dt) const {
 // beside other bodies 0. The factors of each particle come later. In the last column before a plate's free
 // end
 //   max(0, 1 − cΔt/(2 r_e)) max(0, 1 − Δt (u + √(g l0))/l0)
-// is the least (F84), r_e the radius of the gradient. Divergence and gradient are not adjoint.
+// is the least (F84), r_e the radius of the gradient; with a body that stood in the water (F94) is in its
+// place. Divergence and gradient are not adjoint.
 // Removing all of the residual in each step amplifies some modes by up to 5 % per step, still water then
 // never rests, and the less so the shorter the steps. A residual that is left beside a body makes its force
 // lag behind its motion.
@@ -228,7 +240,9 @@ double LeastSquaresScheme<dim>::corrected_fraction(const State<dim>& state) cons
 ///   e = ∇·u − Σ_layers w (u−U)·P r/s + Δt_p/(ρs) (own p − source)
 /// This is ∇·u of the new velocity, with walls, less what the equation asked for. Where tension was limited
 /// water may open freely, and only a negative e is kept. Without that the next step would have to correct all
-/// of it at once. What a projection longer than the step adds is left out, by the factor Δt/Δt_p (F74).
+/// of it at once. The part of e that the ends of faces keep (F94) stays where the pressure was limited: as
+/// removed in one step it is a blow. What a projection longer than the step adds is left out, by the factor
+/// Δt/Δt_p (F74).
 template <int dim>
 void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, State<dim>& state,
                                                const Neighbours& far, const Neighbours& near, double dt) {
@@ -247,15 +261,21 @@ void LeastSquaresScheme<dim>::measure_residual(const Boundary<dim>& boundary, St
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < boundary.water(); ++i) {
     if (!ranks_.owns(i)) continue;
-    const double before = equation_.carried[i] * state.residual_divergence[i];
-    state.residual_divergence[i] = 0;
+    const double kept = equation_.kept * state.edge_divergence[i];
+    const double before =
+        equation_.carried[i] * (state.residual_divergence[i] - state.edge_divergence[i]) + kept;
+    state.residual_divergence[i] = state.edge_divergence[i] = 0;
     state.residual_wall_velocity.col(i).setZero();
+    if (boundary.is_removed(state, i)) continue;
     const Limit limit = equation_.limited[static_cast<std::size_t>(i)];
-    if (limit == Limit::at_surface || boundary.is_removed(state, i)) continue;
+    state.residual_divergence[i] = state.edge_divergence[i] = kept;
+    if (limit == Limit::at_surface) continue;
     double left = divergence(i) - wall_terms(boundary, state, far, i).flux / scale +
                   factor * (equation_.own[i] * state.pressure[i] - equation_.source[i]);
     if (dt < length) left = before + dt / length * (left - before);
-    state.residual_divergence[i] = limit == Limit::tension ? std::min(0.0, left) : left;
+    if (limit == Limit::tension) left = std::min(kept, left);
+    state.residual_divergence[i] = left;
+    if (p_.submerged && images_.at_edge[static_cast<std::size_t>(i)]) state.edge_divergence[i] = left;
     if (limit != Limit::none) continue;
     state.residual_wall_velocity.col(i) = residual_wall_velocity(boundary, state, near, i);
     if (now_.deferred > 0)

@@ -154,6 +154,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   /// Terms of each water particle in (F40), of the last `assemble`.
   struct EquationTerms {
     Eigen::VectorXf carried;            // ε_i of (F44)
+    double kept = 0;                    // π η_0 of (F94)
     Eigen::VectorXf incompressible;     // 1 − s/(c²Δt² A_ii)
     Eigen::VectorXf own;                // factor of p_i beside ∇²p and κ: s/(c²Δt²) + Y_i
     Eigen::VectorXd source;             // right side without walls, ∇·u* and g
@@ -308,13 +309,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
   Vector<dim> residual_wall_velocity(const Boundary<dim>&, const State<dim>&, const Neighbours& near,
                                      std::int64_t i) const;
   /// Returns the velocity past faces that the step does not correct [m/s]: at walls what E_i is.
-  Vector<dim> carried_wall_velocity(const State<dim>& state, std::int64_t i,
-                                    const Vector<dim>& relative) const {
-    Vector<dim> carried = equation_.carried[i] * state.residual_wall_velocity.col(i);
-    if (now_.deferred > 0)
-      carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
-    return carried;
-  }
+  Vector<dim> carried_wall_velocity(const State<dim>&, std::int64_t i, const Vector<dim>& relative) const;
   /// Returns q_ij of (F35) less the carried residual [Pa]. Without tension no face has a pressure below zero.
   double wall_pressure_increment(const Boundary<dim>&, const State<dim>&, std::int64_t i, std::int64_t j,
                                  const Vector<dim>& projected, double slope) const;

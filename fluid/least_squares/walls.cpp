@@ -187,6 +187,15 @@ double LeastSquaresScheme<dim>::slope_share(double dt) const {
   return (1 - std::exp(-layers)) / layers;
 }
 
+template <int dim>
+Vector<dim> LeastSquaresScheme<dim>::carried_wall_velocity(const State<dim>& state, std::int64_t i,
+                                                           const Vector<dim>& relative) const {
+  Vector<dim> carried = equation_.carried[i] * state.residual_wall_velocity.col(i);
+  if (now_.deferred > 0)
+    carried += now_.deferred * equation_.incompressible[i] * (relative - now_.gravity_velocity);
+  return carried;
+}
+
 // Computes q_ij. The carried residual is reduced for water nearer to a face than the first layer of a
 // lattice, and zero below 0.3 l0: that water is stopped at once.
 template <int dim>

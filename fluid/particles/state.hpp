@@ -40,6 +40,7 @@ struct State {
   Vectors<dim>
       pressure_acceleration;  // dim×n [m/s²] −∇p/ρ of the last step, of water (least-squares, oblique bodies)
   Eigen::VectorXd residual_divergence;  // n [1/s] that the projection of the last step left (least-squares)
+  Eigen::VectorXd edge_divergence;      // n [1/s] its part that the ends of a body's faces leave (F94)
   Vectors<dim> residual_wall_velocity;  // dim×n [m/s] of the water past the walls it touches, left likewise
   double residual_step = 0;             // [s] length of the steps whose moves the velocity has not followed
   Eigen::VectorXd sps_k;         // n [m²/s²] sub-particle-scale energy (k model); static model: last value
@@ -85,6 +86,7 @@ struct State {
                       std::pair("pressure", &State::pressure),  //
                       std::pair("pressure_acceleration", &State::pressure_acceleration),
                       std::pair("residual_divergence", &State::residual_divergence),   //
+                      std::pair("edge_divergence", &State::edge_divergence),           //
                       std::pair("residual_approach", &State::residual_wall_velocity),  //
                       std::pair("sps_k", &State::sps_k),                               //
                       std::pair("kind", &State::kind),                                 //
