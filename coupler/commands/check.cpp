@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 #include "coupler/case/rank_threads.hpp"
+#include "coupler/case/side_programs.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/launch.hpp"
@@ -119,6 +120,7 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
   for (const std::string& warning : session->warnings()) print_warning(warning);
   for (const std::string& warning : judged_lines(view, session->columns())) print_warning(warning);
   fmt::print("{}", block_text("resolution", session->resolution()));
+  for (const std::string& warning : other_window_lines(view)) print_warning(warning);
   for (const auto& [name, lines] : session->understood()) fmt::print("{}", block_text(name, lines));
   fmt::print("{}", block_text("mapping", session->mapping_lines()));
 }
