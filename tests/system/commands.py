@@ -75,6 +75,13 @@ def programs_are_asked_once(place):
 
 
 def check_leaves_nothing(place):
+    starts.unlink()
+    checked = subprocess.run([programs / "strake", "check", CASE, *case], cwd=place, env=ENV, capture_output=True, text=True, timeout=60)
+    asked = [line.split()[1] for line in starts.read_text().splitlines() if line.split()[0] == "strake-structure-rigid"]
+    expect(checked.returncode == 0 and asked == ["--check", "--connect"], f"check starts the structure's program to ask it and to set it up: {asked}")
+    whole = strake("check", CASE, *case, cwd=place).stdout
+    row = re.search(r"^rigid .*any$", checked.stdout, re.M)
+    expect(row and row[0] in whole, f"and prints its line of the table: {row and row[0]}")
     result = strake("check", CASE, *QUICK, cwd=place)
     expect(result.returncode == 0, f"check: exit {result.returncode}\n{result.stderr}")
     expect("added-mass ratio" in result.stdout and "# default" not in result.stdout, "check prints derived values")
