@@ -68,12 +68,21 @@ ExitCode refuse(const CLI::App& app, const CLI::ParseError& error) {
                                     : fmt::format("did you mean {}?  ({} --help)", meant, name);
     for (const char* ending : {".stl", ".msh", ".inp"})
       if (name == "strake new" && word.ends_with(ending)) fix = "strake new mesh " + word;
+    if (name == "strake" && word.ends_with(".toml")) fix = "strake run " + word;
     if (name == "strake" && word == "resume") fix = "strake run CASE --resume";
     put(stderr,
         to_text(Error(ExitCode::command_line, name, fmt::format("\"{}\" is no {}", word, what), fix)));
     return ExitCode::command_line;
   }
   if (problem.ends_with('\n')) problem.pop_back();
+  const std::string twice = ": At Most 1 required but received ";  // --tag: …
+  if (const std::size_t at = problem.find(twice); at != std::string::npos) {
+    put(stderr, to_text(Error(ExitCode::command_line, name,
+                              fmt::format("{} is given {} times", problem.substr(0, at),
+                                          problem.substr(at + twice.size())),
+                              "give it once")));
+    return ExitCode::command_line;
+  }
   const bool comma = problem.starts_with("Could not convert") && problem.find(',') != std::string::npos;
   put(stderr, to_text(Error(ExitCode::command_line, name, problem,
                             comma ? "a number has a decimal point, not a comma" : name + " --help")));

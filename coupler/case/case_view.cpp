@@ -70,15 +70,22 @@ std::string ask(const std::filesystem::path& program, std::vector<std::string> a
 
 namespace {
 
+/// What `read_case` was called with.
+struct Asking {
+  const std::vector<std::string>& sets;
+  const StopRequest* stop;
+  const std::vector<std::string>& by_hand;
+  bool properties;
+};
+
 /// file: of a body, the case as that body's program reads it.
-SideView look_at(const std::string& name, const std::string& solver, CaseFile file,
-                 const std::vector<std::string>& sets, const StopRequest* stop,
-                 const std::vector<std::string>& by_hand) {
+SideView look_at(const std::string& name, const std::string& solver, CaseFile file, const Asking& asking) {
   SideView side{.side = name,
                 .solver = solver,
                 .program = {},
                 .lines = {},
                 .echo = {},
+                .properties = {},
                 .is_body = !file.body().empty()};
   const std::string table = name == "fluid" ? "fluid" : "structure";
   if (solver == "precice")
@@ -87,7 +94,7 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
         .table("precice", "")
         .error("command", "a program and its arguments: only a preCICE run does without",
                "command = [\"ccx_preCICE\", \"-i\", \"flap\"]");
-  const bool users = side.is_users(), elsewhere = starts_by_hand(by_hand, side);
+  const bool users = side.is_users(), elsewhere = starts_by_hand(asking.by_hand, side);
   std::error_code ignored;
   if (users && !elsewhere && !std::filesystem::is_regular_file(solver, ignored)) {
     if (file.has(table + ".precice.command"))
@@ -102,9 +109,17 @@ SideView look_at(const std::string& name, const std::string& solver, CaseFile fi
   else
     side.program = find_program(program_name(table, solver), file.folder());
   if (users) return side;  // only the program itself can check its own table
-  std::istringstream answer(ask(side.program, {"--check", "--values"}, file.path(), sets, stop, file.body()));
-  for (std::string line; std::getline(answer, line) && line + "\n" != values_line;)
-    if (!line.empty()) side.lines.push_back(line);
+  std::vector<std::string> modes = {"--check", "--values"};
+  if (asking.properties && table == "structure") modes.emplace_back("--table");
+  std::istringstream answer(ask(side.program, modes, file.path(), asking.sets, asking.stop, file.body()));
+  for (std::string line; std::getline(answer, line) && line + "\n" != values_line;) {
+    if (line + "\n" == table_line)
+      side.properties.emplace();
+    else if (side.properties)
+      *side.properties += line + "\n";
+    else if (!line.empty())
+      side.lines.push_back(line);
+  }
   side.echo.assign(std::istreambuf_iterator<char>(answer), {});
   return side;
 }
@@ -151,6 +166,7 @@ void check_windows(CaseFile& file, const CommonKeys& common) {
 
 /// Checks that need several keys.
 void check_across(CaseFile& file, const CommonKeys& common) {
+  check_windows(file, common);
   if (common.fluid_solver == "none" && common.structure_solver == "none")
     throw file.root().table("fluid").error("solver", "a fluid, or a structure with structure.solver",
                                            "leave out one of the two \"none\"");
@@ -292,7 +308,7 @@ std::vector<BodyKeys> structures_of(const CommonKeys& common) {
 }  // namespace
 
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                   const StopRequest* stop, const std::vector<std::string>& by_hand) {
+                   const StopRequest* stop, const std::vector<std::string>& by_hand, bool properties) {
   CaseFile file = load_no_study(case_file, sets);
   std::optional<CommonKeys> read;
   CouplingKeys coupling;
@@ -313,11 +329,10 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
       coupling = read_coupling(file);
       blocks = read_compare_blocks(file);
       attachments = read_attachments(file, *read);
-      file.root().table("fluid").accept_all();  // its program judges it
-      file.root().table("structure").accept_all();
+      for (const char* side : {"fluid", "structure"})
+        file.root().table(side).accept_all();  // for its program
       file.refuse_unknown();
     });
-    check_windows(file, *read);
     check_across(file, *read);
   });
   if (!read) throw refused.front();
@@ -334,13 +349,14 @@ CaseView read_case(const std::filesystem::path& case_file, const std::vector<std
                 .sets = sets,
                 .resolved = {},
                 .value = {}};
+  const Asking asking{sets, stop, by_hand, properties};
   const std::string& fluid = common.fluid_solver;
-  if (fluid != "none") collect([&] { view.fluid = look_at("fluid", fluid, file, sets, stop, by_hand); });
+  if (fluid != "none") collect([&] { view.fluid = look_at("fluid", fluid, file, asking); });
   if (fluid == "none") collect([&] { check_absent_side(file, "fluid"); });
   if (common.structure_solver == "none") collect([&] { check_absent_side(file, "structure"); });
   for (const BodyKeys& one : structures_of(common)) {
     const CaseFile own = common.bodies.empty() ? file : file.of_body(one.name);
-    collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, sets, stop, by_hand)); });
+    collect([&] { view.structures.push_back(look_at(one.name, one.solver, own, asking)); });
     const std::string table = common.bodies.empty() ? one.name : "structures." + one.name;
     collect([&] { check_precice_names(table, one.program); });
   }

@@ -22,9 +22,10 @@ struct SideView {
   std::string side;    // "fluid" | "structure" | the name of one of several bodies
   std::string solver;  // "mps", "fem", …, or the path of a user's program
   std::filesystem::path program;
-  std::vector<std::string> lines;  // of its --check: derived numbers
-  std::string echo;                // its resolved tables, TOML; empty for a user's program
-  bool is_body = false;            // one of several
+  std::vector<std::string> lines;              // of its --check: derived numbers
+  std::string echo;                            // its resolved tables, TOML; empty for a user's program
+  std::optional<std::string> properties = {};  // of a structure, where `read_case` asked: its --properties
+  bool is_body = false;                        // one of several
 
   /// Whether its solver computes how it deforms.
   bool deforms() const { return solver != "rigid" && solver != "replay"; }
@@ -62,9 +63,10 @@ struct CaseView {
 
 /// Reads the case with the coupler's keys, and lets each side's program check its own. So everything that
 /// `run` would refuse is refused here, before a run folder exists. Throws Error. by_hand: sides that the user
-/// starts; a program of the user's need not be on this machine then.
+/// starts; a program of the user's need not be on this machine then. properties: ask structures for theirs.
 CaseView read_case(const std::filesystem::path& case_file, const std::vector<std::string>& sets,
-                   const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {});
+                   const StopRequest* stop = nullptr, const std::vector<std::string>& by_hand = {},
+                   bool properties = false);
 
 /// Runs one mode of a program ("--check", or "--export" and what goes with it) on a case; what it prints.
 /// What it refuses is thrown with its own words and exit code. body: of several; empty: it needs none.

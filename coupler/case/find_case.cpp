@@ -41,6 +41,39 @@ Error no_such_case(const std::string& name, const fs::path& folder) {
           fix};
 }
 
+constexpr std::size_t most_listed = 8;
+
+/// A folder where a case belongs: that of a run, of one case, or of several.
+Error folder_for_case(const fs::path& named) {
+  const fs::path folder = named.has_filename() ? named : named.parent_path();
+  const fs::path of_run = folder / "case.toml", own = folder / (folder.filename().string() + ".toml");
+  std::string fix = "name a case file, with its path";
+  if (is_file(of_run) && is_file(folder / "run.json"))
+    fix = fmt::format("it is the folder of a run; its case once more: {}; what came out: strake report {}",
+                      of_run.string(), folder.string());
+  else if (is_file(own))
+    fix = fmt::format("its case is {}", own.string());
+  else if (std::vector<std::string> names = case_names(folder); !names.empty()) {
+    for (std::string& name : names) name = case_in(folder, name).lexically_relative(folder).string();
+    const bool more = names.size() > most_listed;
+    names.resize(std::min(names.size(), most_listed));
+    fix = "name a case file of it: " + joined(names) + (more ? ", ..." : "");
+  }
+  return {ExitCode::case_file, named.string(), "is a folder, not a file", fix};
+}
+
+/// Refuses a file that is not there where one beside it has nearly its name.
+void check_near(const fs::path& named) {
+  std::error_code none;
+  if (named.extension() != ".toml" || fs::exists(named, none)) return;
+  const fs::path folder = named.has_parent_path() ? named.parent_path() : ".";
+  const std::string near = did_you_mean(named.stem().string(), case_names(folder));
+  const fs::path file = named.parent_path() / (near + ".toml");
+  if (!near.empty() && is_file(file))
+    throw Error(ExitCode::case_file, named.string(), "no such file",
+                fmt::format("did you mean {}?", file.string()));
+}
+
 }  // namespace
 
 fs::path cases_folder() {
@@ -69,12 +102,14 @@ fs::path find_case(const fs::path& named) {
   const std::string name = named.string();
   std::error_code none;
   const bool alone = !name.empty() && !named.has_extension() && !named.has_parent_path() && name != "..";
+  if (!alone && fs::is_directory(named, none)) throw folder_for_case(named);
+  if (!alone) check_near(named);
   if (!alone || (fs::exists(named, none) && !fs::is_directory(named, none))) return named;
   if (is_file(name + ".toml")) return name + ".toml";
   const fs::path folder = cases_folder();
   if (!folder.empty())
     if (const fs::path found = case_in(folder, name); !found.empty()) return found;
-  if (fs::exists(named, none)) return named;  // a folder: the reader of the case says so
+  if (fs::exists(named, none)) throw folder_for_case(named);
   throw no_such_case(name, folder);
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace strake {
@@ -57,6 +58,27 @@ void check_by_hand(const std::vector<std::string>& by_hand, const CaseView& view
     throw Error(ExitCode::command_line, "--attach", "the case has no " + name,
                 "--attach names sides and attachments that a program computes");
   }
+}
+
+std::string other_window_line(const std::string& side, double configured, double window) {
+  if (!(configured > 0) || std::abs(configured - window) <= 1e-9 * window) return "";
+  return fmt::format(
+      "{}: its preCICE configuration has time-window-size = {:.9g} s, and the windows of this run are {:.9g} "
+      "s "
+      "long (coupling.surface.window), which hold; make the two equal",
+      side, configured, window);
+}
+
+std::vector<std::string> other_window_lines(const CaseView& view) {
+  std::vector<std::string> lines;
+  const auto look = [&](const std::string& side, const ForeignKeys& keys) {
+    if (keys.precice_config.empty()) return;
+    for (const PreciceConfig::Scheme& scheme : PreciceConfig::read(keys.precice_config).schemes)
+      if (const std::string line = other_window_line(side, scheme.window, view.common.window); !line.empty())
+        return lines.push_back(line);
+  };
+  for (const SideView* side : view.sides()) look(side->side, view.common.program_of(side->side));
+  return lines;
 }
 
 void check_precice_names(const std::string& side, const ForeignKeys& keys) {

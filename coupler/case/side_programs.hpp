@@ -27,6 +27,13 @@ bool starts_by_hand(const std::vector<std::string>& by_hand, const SideView&);
 /// Error(command_line) for a name that the case has not, or that has no solver.
 void check_by_hand(const std::vector<std::string>& by_hand, const CaseView&);
 
+/// Says that a preCICE configuration has other windows than the run; empty where it has the same.
+/// configured: its time-window-size [s], 0: none. window: the case's [s].
+std::string other_window_line(const std::string& side, double configured, double window);
+
+/// The same of each side whose configuration is in the case.
+std::vector<std::string> other_window_lines(const CaseView&);
+
 /// Looks up the names of data that [SIDE.precice] gives in its preCICE configuration. Error(case_file) for
 /// one that is not there, and for a configuration that cannot be read. Does nothing without a configuration.
 void check_precice_names(const std::string& side, const ForeignKeys&);

@@ -1,5 +1,6 @@
 #include "coupler/case/case_view.hpp"
 #include "coupler/case/rank_threads.hpp"
+#include "coupler/case/side_programs.hpp"
 #include "coupler/commands/commands.hpp"
 #include "coupler/console/console.hpp"
 #include "coupler/participant/launch.hpp"
@@ -27,7 +28,9 @@ namespace {
 void print_properties(const CaseView& view, const SideView& body, const StopRequest& stop) {
   std::string rows;
   for (const std::string solver : {"fem", "particle", "rigid"}) try {
-      rows += ask_solver(view, body, solver, "--properties", &stop).value_or("");
+      rows += solver == body.solver && body.properties  // its program has been asked with the case
+                  ? *body.properties
+                  : ask_solver(view, body, solver, "--properties", &stop).value_or("");
     } catch (const Error& error) {
       if (solver == "rigid" || body.solver == "rigid") continue;  // the other rows say it, or there are none
       // The line, and from below it what was expected there.
@@ -117,6 +120,7 @@ void print_understood(const CaseView& view, const CheckOptions& options, const S
   }
   print_head(view, options);
   for (const std::string& warning : session->warnings()) print_warning(warning);
+  for (const std::string& warning : other_window_lines(view)) print_warning(warning);
   for (const std::string& warning : judged_lines(view, session->columns())) print_warning(warning);
   fmt::print("{}", block_text("resolution", session->resolution()));
   for (const auto& [name, lines] : session->understood()) fmt::print("{}", block_text(name, lines));
@@ -131,7 +135,7 @@ ExitCode check(const CheckOptions& options, const StopRequest& stop) {
   if (!options.picture.empty() && options.picture.extension() != ".svg")
     throw Error(ExitCode::command_line, "--picture " + options.picture.string(), "check draws an .svg",
                 "--picture " + std::filesystem::path(options.picture).replace_extension(".svg").string());
-  const CaseView view = read_case(options.case_file, options.sets, &stop);
+  const CaseView view = read_case(options.case_file, options.sets, &stop, {}, true);
   const bool built = can_be_built(view);
   if (built) {
     print_understood(view, options, stop);

@@ -132,6 +132,11 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.6g}", *value) : "-";
 }
 
+/// The value of a record in a row. Noise has no frequency, which is no value that is missing.
+std::string value_of(const MetricRow& row, std::size_t record) {
+  return row.name == "frequency" && !row.value[record] ? "none" : number(row.value[record]);
+}
+
 std::string percent(double part) {
   return fmt::format("{:+.3g} %", 100 * part);
 }
@@ -151,11 +156,11 @@ void print_table(const std::string& quantity, const std::vector<Record>& records
     const bool difference = row.name == "l2" || row.name == "dtw";
     for (std::size_t r = 0; r < records.size(); ++r) {
       if (r == 0) {
-        fmt::print("  {:>12}", difference ? "" : number(row.value[r]));
+        fmt::print("  {:>12}", difference ? "" : value_of(row, r));
         continue;
       }
       const std::string off = row.deviation[r] && !difference ? percent(*row.deviation[r]) : "";
-      fmt::print("  {:>12} {:>12}", number(row.value[r]), off);
+      fmt::print("  {:>12} {:>12}", value_of(row, r), off);
     }
     fmt::print("\n");
   }

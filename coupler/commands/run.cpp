@@ -10,7 +10,6 @@
 #include "coupler/run/run_folder.hpp"
 #include "coupler/run/run_log.hpp"
 #include "coupler/run/session.hpp"
-#include "coupler/summary/notes.hpp"
 #include "coupler/summary/summary.hpp"
 #include "coupler/timing/run_clocks.hpp"
 #include "proto/case/size_limit.hpp"
@@ -179,9 +178,7 @@ class Run {
 
   void windows() {
     started_ = true;
-    FailureNotes failure(case_.common.interface == "surface" && case_.coupled(), plan_.start.time,
-                         case_.bodies());
-    AlarmNotes alarms(plan_.start.time);
+    MonitorNotes notes(case_, plan_.start.time);
     WindowLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
     while (!loop.finished()) {
@@ -199,9 +196,7 @@ class Run {
                  .elapsed = elapsed(),
                  .history = &files_->table()};
       messages_.reporter.window(row);
-      for (const std::string& line : failure.look(window.report.structure)) messages_.note(line);
-      for (const auto* monitor : {&window.report.fluid, &window.report.structure})
-        for (const std::string& line : alarms.look(*monitor)) messages_.alarm(line);
+      notes.tell(window.report, messages_);
       if (window.taken_back > 0)
         messages_.log->warn(
             fmt::format("window {} (t = {:.6g} s): {}; {} longer window{} taken back, now {:.3g} s",

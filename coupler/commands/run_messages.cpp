@@ -30,6 +30,20 @@ char thin_axis_of(const InterfaceMesh& mesh) {
 
 }  // namespace
 
+MonitorNotes::MonitorNotes(const CaseView& view, double since)
+    : failure_(view.common.interface == "surface" && view.coupled(), since, view.bodies()),
+      alarms_(since),
+      precice_(view.common.window) {}
+
+void MonitorNotes::tell(const WindowReport& report, const RunMessages& messages) {
+  for (const std::string& line : failure_.look(report.structure)) messages.note(line);
+  for (const auto& [side, monitor] :
+       {std::pair("fluid", &report.fluid), std::pair("structure", &report.structure)}) {
+    for (const std::string& line : alarms_.look(*monitor)) messages.alarm(line);
+    for (const std::string& line : precice_.look(side, *monitor)) messages.warn(line);
+  }
+}
+
 RunHeader header_of(const CaseView& view, Session& session, const RunPlan& plan,
                     const std::filesystem::path& folder, const std::vector<Column>& history, bool resumed) {
   RunHeader header{.title = view.common.title,

@@ -5,6 +5,7 @@
 #include "coupler/console/console.hpp"
 #include "coupler/run/run_log.hpp"
 #include "coupler/run/session.hpp"
+#include "coupler/summary/notes.hpp"
 #include "coupler/summary/summary.hpp"
 #include "proto/error.hpp"
 #include "proto/files/json_file.hpp"
@@ -46,6 +47,19 @@ struct RunMessages {
     if (const std::string line = wait_log.line(whom); log && !line.empty()) log->info(line);
     reporter.wait(whom, elapsed);
   }
+};
+
+/// What the participants' monitors say while a run goes on: failure, alarms, reads of preCICE's solvers.
+/// Each is told once; what happened up to `since` [s] was told before a resume.
+class MonitorNotes {
+ public:
+  MonitorNotes(const CaseView&, double since);
+  void tell(const WindowReport&, const RunMessages&);
+
+ private:
+  FailureNotes failure_;
+  AlarmNotes alarms_;
+  PreciceNotes precice_;
 };
 
 /// The head of console and log, before the first window. history: the columns of its file.

@@ -47,11 +47,6 @@ std::optional<CurvePoint> first_peak_in_span(const Record& r, double origin, dou
   return point && !falls_towards(curve, *point, r.contact.has_value()) ? point : std::nullopt;
 }
 
-std::optional<double> frequency(const Curve& c, double from, double to) {
-  const auto t = period(c, from, to);
-  return t ? std::optional(1 / *t) : std::nullopt;
-}
-
 }  // namespace
 
 const std::vector<std::string>& record_metrics() {
@@ -169,7 +164,7 @@ Comparison compare_records(const std::vector<Record>& records, const std::string
     if (name == "mean") return impulse_of(records[r], from, to) / (to - from);
     if (name == "rms") return rms(part[r], from, to);
     if (name == "final") return part[r].value.back();
-    if (name == "frequency") return frequency(part[r], from, to);
+    if (name == "frequency") return clear_frequency(part[r], from, to);
     if (name == "l2" || name == "dtw") {
       if (r == 0) return std::nullopt;
       const double d = name == "l2" ? l2_difference(part[r], part[0])

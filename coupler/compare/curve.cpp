@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace strake {
 
@@ -122,11 +123,14 @@ double slope(const Curve& c, double from, double to) {
   return square > 0 ? with / square : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::optional<double> period(const Curve& c, double from, double to) {
+namespace {
+
+/// Times of the upward crossings of the mean that are no noise.
+std::vector<double> rises(const Curve& c, double from, double to) {
   const double middle = mean(c, from, to), half = 0.5 * noise(c, from, to);
   const Curve part = clip(c, from, to);
-  std::optional<double> first, last, crossing;
-  int rises = 0;
+  std::vector<double> times;
+  std::optional<double> crossing;
   bool low = false;  // has been below the band since the last rise
   for (std::size_t k = 0; k < part.size(); ++k) {
     const double q = part.value[k] - middle, before = k > 0 ? part.value[k - 1] - middle : q;
@@ -135,12 +139,48 @@ std::optional<double> period(const Curve& c, double from, double to) {
       crossing = part.time[k - 1] + before / (before - q) * (part.time[k] - part.time[k - 1]);
     if (!low || q < half || !crossing) continue;
     low = false;
-    if (!first) first = crossing;
-    last = crossing;
-    ++rises;
+    times.push_back(*crossing);
   }
-  if (rises < 2) return std::nullopt;
-  return (*last - *first) / (rises - 1);
+  return times;
+}
+
+/// ∫ q(t) w(2πft) dt over the whole curve.
+double transform(const Curve& c, double frequency, double (*wave)(double)) {
+  Curve product = c;
+  for (std::size_t k = 0; k < c.size(); ++k)
+    product.value[k] *= wave(2 * std::numbers::pi * frequency * c.time[k]);
+  return impulse(product, c.time.front(), c.time.back());
+}
+
+}  // namespace
+
+std::optional<double> period(const Curve& c, double from, double to) {
+  const std::vector<double> times = rises(c, from, to);
+  if (times.size() < 2) return std::nullopt;
+  return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+}
+
+// Over n whole periods T of the curve q about its mean, the wave of frequency f = n/T has the part
+//   P = 2/T² ((∫ q cos 2πft dt)² + (∫ q sin 2πft dt)²)  of the variance  V = 1/T ∫ q² dt.
+std::optional<double> clear_frequency(const Curve& c, double from, double to) {
+  // Measured on 400 records of each kind of noise: at most 7 % pass these bounds where the spectrum falls
+  // with slope 1, 2 or 4 above 2 to 60 periods per record. Of random walks 1 % pass, of white noise none.
+  // With 0.7 and 0.5 at most 12 % pass; 0.6 would refuse pulses sin^4, whose share is 0.57.
+  // Sines, decays of up to 10 % of the critical damping and sines with noise of a tenth have 0.78 to 1.
+  // One period alone is no sign: there the median share of such noise is 0.5 to 0.99.
+  constexpr double needed_of_two = 0.8, needed = 0.55;
+  const std::vector<double> times = rises(c, from, to);
+  if (times.size() < 3) return std::nullopt;
+  Curve part = clip(c, times.front(), times.back());
+  const double length = times.back() - times.front(), middle = mean(part, times.front(), times.back()),
+               variance = std::pow(noise(part, times.front(), times.back()), 2),
+               frequency = static_cast<double>(times.size() - 1) / length;
+  for (double& q : part.value) q -= middle;
+  const double with_cos = transform(part, frequency, [](double x) { return std::cos(x); }),
+               with_sin = transform(part, frequency, [](double x) { return std::sin(x); });
+  const double share = 2 * (with_cos * with_cos + with_sin * with_sin) / (length * length * variance);
+  if (!(share >= (times.size() == 3 ? needed_of_two : needed))) return std::nullopt;
+  return frequency;
 }
 
 std::optional<double> onset(const Curve& c, double from, double to) {

@@ -35,11 +35,12 @@ struct PreciceRequest {
 /// The line of --check --values before the tables with every key resolved. One start of a program answers
 /// both: the loader alone needs 0.35 s for deal.II and the libraries below it.
 inline constexpr const char* values_line = "every value:\n";
+/// The line of --check --values --table before what --properties prints; the values come after.
+inline constexpr const char* table_line = "by discretisation:\n";
 
 /// The command line of a participant: --connect ENDPOINT --name N --case FILE [--set K=V]… [--case-hash HEX].
-/// Other modes: --precice CONFIG, --interface, --check [--values], --properties, --picture, --echo, --export
-/// FORMAT,
-/// --keys, --version.
+/// Other modes: --precice CONFIG, --interface, --check [--values [--table]], --properties, --picture, --echo,
+/// --export FORMAT, --keys, --version.
 struct ParticipantOptions {
   enum class Mode { serve, precice, interface, check, properties, picture, echo, export_deck, keys, version };
   Mode mode = Mode::serve;
@@ -51,6 +52,7 @@ struct ParticipantOptions {
   std::optional<std::array<std::uint8_t, 32>>
       case_hash;        // as the coupler gave it; our programs compute their own
   bool values = false;  // --check prints what --echo prints as well
+  bool table = false;   // --check --values prints what --properties prints as well
 };
 /// Error(command_line) for what it refuses. --help prints and exits 0.
 ParticipantOptions parse_participant_options(int argc, char** argv);

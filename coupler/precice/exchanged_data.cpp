@@ -176,6 +176,7 @@ void ExchangedData::read(const std::string& mesh, const std::string& data, std::
                 "is not read by this participant", "it reads " + listed(read_));
   check_sizes(*entry, ids.size(), values.size());
   was_read_ = true;
+  latest_read_ = std::max(latest_read_.value_or(time), time);
   if (ids.empty()) return;
   if (entry->waveform.empty()) throw Error(ExitCode::solver_fault, entry->text(), "has no values yet", "");
   const Values now = entry->waveform.at(time);
@@ -220,6 +221,10 @@ void ExchangedData::check_read() const {
               "was not read so far: the partner has no effect on this solver",
               "call readData() before each time step;\n"
               "a solver that needs no such data: take their <read-data> out of the configuration");
+}
+
+bool ExchangedData::read_start_alone(double start, double round_off) const {
+  return latest_read_ && *latest_read_ <= start + round_off;
 }
 
 std::vector<Field> ExchangedData::take_fields() {
@@ -273,6 +278,7 @@ void ExchangedData::begin(const InterfaceMesh& partner, const std::vector<Field>
 }
 
 void ExchangedData::receive(const Window& window, const Input& input) {
+  latest_read_.reset();
   for (Entry& entry : read_) {
     std::vector<Waveform::Knot> knots;
     for (const Sample& sample : input.samples) {
@@ -340,8 +346,8 @@ Values Waveform::at(double time) const {
   const Knot& last = knots_.back();
   const double same = 1e-9 * (last.time - start_.time);
   if (std::abs(time - last.time) <= same || knots_.size() == 1) return last.value;
-  if (degree_ == 0) {  // constant up to each sample
-    const auto upto = std::find_if(knots_.begin() + 1, knots_.end(),
+  if (degree_ == 0) {  // constant up to each sample; at the start what held there
+    const auto upto = std::find_if(knots_.begin(), knots_.end(),
                                    [&](const Knot& knot) { return knot.time >= time - same; });
     return upto == knots_.end() ? last.value : upto->value;
   }

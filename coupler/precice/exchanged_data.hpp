@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ class Waveform {
   void commit();
 
   /// The value at a time of the window. With one sample and degree 1 it is linear between the window's ends.
+  /// With degree 0 it is that of the next sample, and at the window's start the one that held there.
   Values at(double time) const;
   bool empty() const { return knots_.empty(); }
 
@@ -71,6 +73,8 @@ class ExchangedData {
   std::vector<Field> take_fields();
   /// Tests that some of the data to read were read so far. Error(solver_fault) if none was.
   void check_read() const;
+  /// Reads in the window that was received last were all at its start [s, absolute]; false without a read.
+  bool read_start_alone(double start, double round_off) const;
 
   /// The mesh of each quantity that is written, and of each that is read.
   std::map<std::string, std::string> written_on() const { return mesh_of(written_); }
@@ -117,6 +121,7 @@ class ExchangedData {
   std::vector<Entry> written_, read_;
   std::vector<Place> places_;
   mutable bool was_read_ = false;
+  mutable std::optional<double> latest_read_;  // [s] in the window that was received last
 };
 
 }  // namespace strake

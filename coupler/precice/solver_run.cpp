@@ -295,6 +295,8 @@ void SolverRun::advance(double dt) {
   const bool at_end = dt >= left() - round_off * window_.dt;
   if (at_end || sends_history_) data_.check_written();
   if (at_end && answered_ > 0) data_.check_read();
+  if (at_end && !start_read_ && data_.read_start_alone(window_.t, round_off * window_.dt))
+    start_read_ = window_.t;
   complete_ = false;
   write_checkpoint = read_checkpoint = {};
   done_ = at_end ? window_.dt : done_ + dt;
@@ -309,6 +311,9 @@ void SolverRun::send_window(std::vector<Field> fields) {
   advanced.output = std::move(fields);
   advanced.history = std::move(history_);
   advanced.monitor = sections_.seconds();
+  if (const double window = config_.window_of(me_->name); window > 0)
+    advanced.monitor["precice.window"] = window;
+  if (start_read_) advanced.monitor["precice.start_read"] = *start_read_;
   ++answered_;
   conversation_->answer({0, std::move(advanced)});
   await_window();

@@ -114,9 +114,10 @@ class SolverRun {
   std::unique_ptr<Conversation> conversation_;
   bool initialized_ = false, finished_ = false, ongoing_ = false, complete_ = false;
   Window window_;
-  double done_ = 0;              // [s] of the window
-  long answered_ = 0;            // windows, each iteration counted
-  std::vector<Sample> history_;  // what was written inside the window
+  double done_ = 0;                   // [s] of the window
+  long answered_ = 0;                 // windows, each iteration counted
+  std::vector<Sample> history_;       // what was written inside the window
+  std::optional<double> start_read_;  // [s] start of the first window of which nothing later was read
   std::optional<Error> noted_;
 };
 

@@ -1,5 +1,6 @@
 #include "coupler/summary/notes.hpp"
 
+#include "coupler/case/side_programs.hpp"
 #include "proto/lookup.hpp"
 
 #include <fmt/format.h>
@@ -184,6 +185,21 @@ void FailureNotes::look_at(const std::string& body, const std::map<std::string, 
           "the faces of the crack stay dry: the wet surface is that of the whole body; "
           "coupling.interface = \"volume\" wets them (structure.solver = \"particle\")");
   }
+}
+
+std::vector<std::string> PreciceNotes::look(const std::string& side,
+                                            const std::map<std::string, double>& monitor) {
+  std::vector<std::string> lines;
+  if (const std::string line = other_window_line(side, at_or(monitor, "precice.window", 0.0), window_);
+      !line.empty() && !std::exchange(told_[side + " window"], true))
+    lines.push_back(line);
+  if (const auto read = monitor.find("precice.start_read");
+      read != monitor.end() && !std::exchange(told_[side + " start_read"], true))
+    lines.push_back(fmt::format(
+        "{}: in the window from t = {:.6g} s it read the partner's data at relative time 0 alone, the "
+        "window's start: what it got is one window old. For the end read at getMaxTimeStepSize()",
+        side, read->second));
+  return lines;
 }
 
 Json failure_json(const std::map<std::string, double>& monitor, const std::vector<std::string>& bodies) {

@@ -59,6 +59,19 @@ class FailureNotes {
   std::map<std::string, bool> told_;
 };
 
+/// What a solver with preCICE's functions does otherwise than it may think, from "precice.…" of its monitor
+/// (proto/WIRE.md). Each is told once.
+class PreciceNotes {
+ public:
+  explicit PreciceNotes(double window) : window_(window) {}  // of the case [s]
+  /// side: "fluid", "structure".
+  std::vector<std::string> look(const std::string& side, const std::map<std::string, double>& monitor);
+
+ private:
+  double window_;
+  std::map<std::string, bool> told_;  // by side and kind
+};
+
 /// {"start": {"time", "x", "y", "z"}, "crack": …, "parted": …, "energy"}; null where nothing can fail.
 /// Of several bodies these by name.
 Json failure_json(const std::map<std::string, double>& monitor, const std::vector<std::string>& bodies = {});

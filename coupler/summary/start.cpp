@@ -2,6 +2,8 @@
 
 #include "coupler/compare/compare_block.hpp"
 #include "proto/error.hpp"
+#include "proto/files/history.hpp"
+#include "proto/files/motion_file.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
 #include "proto/visible.hpp"
@@ -13,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -101,6 +104,79 @@ void look_at_tank_start(const CaseView& view, std::vector<std::string>& lines) {
       joined(speeds, " and "), 1 / frequency));
 }
 
+/// Distance of the tank's farthest corner from the point about which it turns [m].
+double reach_of_tank(const CaseView& view) {
+  std::vector<double> pivot = numbers_in(at_or(view.value, "fluid.motion.pivot"));
+  pivot.resize(2, 0);
+  const bool is_box = is_given(view, "fluid.tank");
+  const std::vector<double> n = numbers_in(at_or(view.value, is_box ? "fluid.tank" : "fluid.tank_polygon"));
+  const std::size_t stride = is_box && n.size() == 6 ? 3 : 2;
+  double x = 0, y = 0;  // a polygon lies in the box of its corners
+  for (std::size_t k = 0; k + 1 < n.size(); k += stride) {
+    x = std::max(x, std::abs(n[k] - pivot[0]));
+    y = std::max(y, std::abs(n[k + 1] - pivot[1]));
+  }
+  return std::hypot(x, y);
+}
+
+/// An interval in which a table's speed changes fast.
+struct Jump {
+  double time = 0, lasts = 0, change = 0;  // [s], [s], [m/s]
+};
+
+/// The first interval in which a table's acceleration is above `largest` [m/s^2]. times: of its rows [s].
+std::optional<Jump> first_jump(const MotionTable& table, const std::vector<double>& times, double end,
+                               double reach, double largest) {
+  constexpr int parts = 4;  // between two rows a speed is a cubic at most
+  const auto change = [&](const RigidMotion& a, const RigidMotion& b) {
+    return (b.velocity - a.velocity).norm() + std::abs(b.angular_velocity - a.angular_velocity) * reach;
+  };
+  std::optional<double> since;
+  double before = 0;
+  for (std::size_t row = 0; row + 1 < times.size(); ++row)
+    for (int part = 1; part <= parts; ++part) {
+      const double t = times[row] + (times[row + 1] - times[row]) * part / parts;
+      if (t <= 0) continue;
+      const bool fast =
+          t <= end && change(table.at(before), table.at(t)) > largest * (t - before) && t > before;
+      if (fast && !since) since = before;
+      if (!fast && since) return Jump{*since, before - *since, change(table.at(*since), table.at(before))};
+      before = t;
+    }
+  if (!since) return std::nullopt;
+  return Jump{*since, before - *since, change(table.at(*since), table.at(before))};
+}
+
+/// A table whose speed at t = 0 is not 0, with which the water starts too, and one whose speed jumps.
+///
+/// Water of length L under the acceleration a has the pressure ρ a L. It is told from 10 g on, by which tanks
+/// are driven in shock tests alone: 1 m/s within 10 ms.
+void look_at_tank_table(const CaseView& view, std::vector<std::string>& lines) {
+  constexpr double largest = 98.1;   // [m/s^2]
+  constexpr double at_start = 0.05;  // of the largest speed: below it is the end of a spline
+  const std::string file = at_or(view.value, "fluid.motion.file");
+  if (file.empty()) return;
+  const MotionTable table = read_motion(view.folder / file);
+  const double reach = reach_of_tank(view), end = std::min(table.end(), view.common.end_time);
+  const RigidMotion start = table.at(0);
+  if (const double speed = start.velocity.norm() + std::abs(start.angular_velocity) * reach;
+      speed > at_start * table.largest_speed(end, reach))
+    lines.push_back(fmt::format(
+        "fluid.motion.file starts at {:.3g} m/s: tank and water start with that speed; for water at rest let "
+        "the table begin with speed 0 and grow from there",
+        speed));
+  const Table rows = read_given_table(view.folder / file);
+  for (std::size_t c = 0; c < rows.columns.size(); ++c) {
+    if (rows.columns[c].name != "t" && rows.columns[c].name != "time") continue;
+    if (const auto jump = first_jump(table, rows.value[c], end, reach, largest))
+      lines.push_back(fmt::format(
+          "fluid.motion.file: the tank's speed jumps by {:.3g} m/s at t = {:.6g} s, within {:.3g} s: the "
+          "water's "
+          "pressure is an impulse there, {:.3g} g on average; a change over {:.2g} s has 1 g",
+          jump->change, jump->time, jump->lasts, jump->change / jump->lasts / 9.81, jump->change / 9.81));
+  }
+}
+
 /// The lowest height of a box or polygon of the case, "[[x, y, z], [x, y, z]]"; infinity where there is none.
 double lowest_of(const CaseView& view, const std::string& key) {
   const std::vector<double> numbers = numbers_in(at_or(view.value, key));
@@ -177,6 +253,7 @@ std::vector<std::string> start_lines(const CaseView& view, const std::vector<Bod
     look_at_way(view, body, lines);
   }
   look_at_tank_start(view, lines);
+  look_at_tank_table(view, lines);
   look_at_floor(view, bodies, lines);
   return lines;
 }

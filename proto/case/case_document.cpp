@@ -236,6 +236,11 @@ std::string CaseFile::Document::where(const std::string& path, const std::string
   return name + ": " + shown(path);
 }
 
+std::string CaseFile::Document::set_of_key(const std::string& path, const std::string& element) const {
+  return fmt::format("--set {}.KEY=VALUE for a key of it{}", shown(element),
+                     explained ? fmt::format("  (strake explain {})", path) : "");
+}
+
 Error CaseFile::Document::wrong(const std::string& path, const std::string& expected, const std::string& fix,
                                 const toml::node* part) const {
   const toml::node* node = at(path);

@@ -88,6 +88,8 @@ struct CaseFile::Document {
   /// The --set string that gave this path or a table around it. nullptr if the file gave it, or it is not
   /// given.
   const Set* set_of(const std::string& path) const;
+  /// How --set reaches the keys of a table. element: the table, or one of a list.
+  std::string set_of_key(const std::string& path, const std::string& element) const;
   std::filesystem::path folder() const;
 
   /// "case.toml:40:9" of a place, the line with its number and a caret, and both as an error.

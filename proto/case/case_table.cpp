@@ -326,7 +326,8 @@ CaseTable CaseTable::table(const std::string& name, const std::string& help) {
   const std::string path = d.info.path;
   document_->tables.insert(path);
   if (d.node && !d.node->is_table())
-    throw d.wrong(d.expected, d.node->is_array_of_tables()
+    throw d.wrong(d.expected, document_->set_of(path) ? document_->set_of_key(path, path)
+                              : d.node->is_array_of_tables()
                                   ? "one table, [" + path + "], not a list"
                                   : "[" + path + "] on a line of its own, its keys below it");
   if (!help.empty()) d.record("", false);
@@ -341,7 +342,8 @@ std::vector<CaseTable> CaseTable::tables(const std::string& name, const std::str
   if (document_->only_declares) elements.push_back({document_, path + "[]"});
   if (d.node) {
     const toml::array* array = d.node->as_array();
-    const std::string fix = "[[" + path + "]] on a line of its own, one for each";
+    const std::string fix = document_->set_of(path) ? document_->set_of_key(path, path + "[0]")
+                                                    : "[[" + path + "]] on a line of its own, one for each";
     if (!array) throw d.wrong("a list of tables", fix);
     if (array->size() > most_tables)
       throw d.wrong(fmt::format("at most {} tables, this list has {}", most_tables, array->size()),

@@ -251,6 +251,9 @@ def led(runs):
                           ("structure.arguments=[]", "here structure.precice has its own")):
         result = subprocess.run([BIN / "strake", "check", case, "--set", setting], cwd=runs.folder, env=runs.env, capture_output=True, text=True, timeout=60)
         expect(result.returncode == 3 and said in result.stderr, f"solver = precice, {setting}: exit {result.returncode}, {result.stderr.splitlines()[:1]}")
+    checked = [command(BIN / "strake", "check", case, "--set", f"coupling.surface.window={window}", cwd=runs.folder, env=runs.env)
+               .count("has time-window-size = 1 s") for window in (1, 0.5)]
+    expect(checked == [0, 2], f"solver = precice: check tells another window than the configuration's for each side: {checked}")
     runs.env = env
 
 
@@ -302,6 +305,12 @@ def dummies(runs):
         runs.run("dummies", f"structure.solver=made/{solver}")
         said = [line.replace("8.00000", "8") for line in runs.log("dummies", "structure").splitlines()]
         expect(said == order, f"{solver}: {said}")
+    said = "preCICE configuration has time-window-size = 1 s, and the windows of this run are 0.5 s"
+    once = [runs.run("dummies", *settings).stdout.count(said) for settings in ([], ["coupling.surface.window=0.5"])]
+    expect(once == [0, 2], f"another window than the configuration's: told once for each side: {once}")
+    said = "it read the partner's data at relative time 0 alone"
+    once = [runs.run("dummies", f'structure.arguments=["Two", "dummies.xml"{how}]').stdout.count(said) for how in ("", ', "early"')]
+    expect(once == [0, 1], f"read at the windows' start: told once, and nobody else is: {once}")
 
 
 def misuses(runs):

@@ -32,6 +32,9 @@ def help_and_version(place):
         expect(wrong.returncode == 2 and f"did you mean {meant}?" in wrong.stderr, f"{' '.join(words)}: {wrong.stderr.strip()}")
     other = strake("gallop", cwd=place)
     expect(other.returncode == 2 and '"gallop" is no command' in other.stderr, f"an unknown command: {other.stderr.strip()}")
+    for words, said in ((("case.toml",), "fix: strake run case.toml"), (("run", "x.toml", "--tag", "a", "--tag", "b"), "--tag is given 2 times")):
+        wrong = strake(*words, cwd=place)
+        expect(wrong.returncode == 2 and said in wrong.stderr, f"{' '.join(words)}: {wrong.stderr.strip()}")
     resumed = strake("resume", "plate_entry", cwd=place)
     expect(resumed.returncode == 2 and "strake run CASE --resume" in resumed.stderr, f"resume is an option of run: {resumed.stderr.strip()}")
     version = strake("--version", cwd=place)
@@ -72,6 +75,13 @@ def programs_are_asked_once(place):
     for name in ("strake-fluid", "strake-structure-rigid"):
         asked = [line.split()[1] for line in starts.read_text().splitlines() if line.split()[0] == name]
         expect(asked == ["--check", "--connect"], f"{name} is started to be asked and to run: {asked}")
+    starts.unlink()
+    checked = subprocess.run([programs / "strake", "check", CASE, *case], cwd=place, env=ENV, capture_output=True, text=True, timeout=60)
+    asked = [line.split()[1] for line in starts.read_text().splitlines() if line.split()[0] == "strake-structure-rigid"]
+    expect(checked.returncode == 0 and asked == ["--check", "--connect"], f"check starts the structure's program to ask it and to set it up: {asked}")
+    whole = strake("check", CASE, *case, cwd=place).stdout
+    row = re.search(r"^rigid .*any$", checked.stdout, re.M)
+    expect(row and row[0] in whole, f"and prints its line of the table: {row and row[0]}")
 
 
 def check_leaves_nothing(place):

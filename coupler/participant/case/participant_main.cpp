@@ -41,6 +41,14 @@ std::string properties(CaseFile& file, const ParticipantOptions& options, const 
   return fmt::format("{:<10} not built: {}\n", program.solver, size_text(sizes));
 }
 
+/// The same after --check. What refuses the line alone is no error of the check: who wants it asks again.
+void print_table(CaseFile& file, const ParticipantOptions& options, const Program& program) {
+  try {
+    fmt::print("{}{}", table_line, properties(file, options, program));
+  } catch (const Error&) {
+  }
+}
+
 /// The surface of a structure with its motion at t = 0, as a mesh of Gmsh's.
 std::string interface_text(const ParticipantOptions& options, const Program& program) {
   if (program.prefix == "fluid")
@@ -110,6 +118,7 @@ int run_mode(const ParticipantOptions& options, const Program& program) {
       CaseFile file = load_declared(options, program);
       const std::string values = options.values ? values_line + file.echo(program.prefix) : "";
       print_check(file, program);
+      if (options.table) print_table(file, options, program);
       fmt::print("{}", values);
       break;
     }

@@ -55,6 +55,7 @@ void add_participant_options(CLI::App& app, ParticipantOptions& options, Partici
   modes->add_flag("--check", flags.check,
                   "read the case, refuse what a run would refuse, print derived numbers");
   app.add_flag("--values", flags.values, "with --check: then print what --echo prints");
+  app.add_flag("--table", flags.table, "with --check --values: before them print what --properties prints");
   modes->add_flag("--properties", flags.properties,
                   "print mass, centre, inertia, frequencies and stable step");
   modes->add_flag("--picture", flags.picture,
@@ -105,7 +106,11 @@ ParticipantOptions parse_participant_options(int argc, char** argv) {
   check_precice(options);
   if (flags.values && !flags.check)
     throw Error(ExitCode::command_line, "--values", "stands without --check", "--check --values, or --echo");
+  if (flags.table && !flags.values)
+    throw Error(ExitCode::command_line, "--table", "stands without --check --values",
+                "--check --values --table, or --properties");
   options.values = flags.values;
+  options.table = flags.table;
   using Mode = ParticipantOptions::Mode;
   options.mode = flags.check                    ? Mode::check
                  : flags.properties             ? Mode::properties

@@ -13,7 +13,7 @@ namespace strake {
 /// What a participant's command line has beside ParticipantOptions while it is parsed.
 struct ParticipantFlags {
   bool check = false, properties = false, picture = false, echo = false, keys = false, version = false,
-       interface = false, values = false;
+       interface = false, values = false, table = false;
   std::string hash;  // hexadecimal
 };
 

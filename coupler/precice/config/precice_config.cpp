@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace strake {
 namespace {
@@ -25,6 +26,7 @@ class Reader {
     if (kind == "participant") return participant(element);
     if (kind == "coupling-scheme") return scheme(element);
     if (kind == "participants") return both(element);
+    if (kind == "time-window-size") return window(element);
     if (kind == "exchange") return exchange(element);
     if (config_.participants.empty() || element.parent != "participant") return;
     PreciceConfig::Participant& owner = config_.participants.back();
@@ -77,6 +79,16 @@ class Reader {
 
   void scheme(const XmlElement& element) {
     config_.schemes.push_back({{}, !element.type().ends_with("explicit"), {}});
+  }
+
+  void window(const XmlElement& element) {
+    if (config_.schemes.empty()) return;
+    const std::string text = element.text_or("value", "-1");
+    double value = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (fault != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      element.refuse(fmt::format("value = \"{}\"", text), "a number of seconds above 0");
+    config_.schemes.back().window = std::max(value, 0.0);  // -1: the first participant chooses it
   }
 
   void both(const XmlElement& element) {
@@ -136,6 +148,13 @@ PreciceConfig PreciceConfig::read(const std::filesystem::path& path) {
   Reader reader(config);
   read_xml(path, [&](const XmlElement& element) { reader.open(element); });
   return config;
+}
+
+double PreciceConfig::window_of(const std::string& participant) const {
+  for (const Scheme& scheme : schemes)
+    if (std::ranges::find(scheme.participants, participant) != scheme.participants.end())
+      return scheme.window;
+  return 0;
 }
 
 const PreciceConfig::Data* PreciceConfig::find_data(const std::string& name) const {

@@ -7,7 +7,8 @@
 namespace strake {
 
 /// What a preCICE configuration file says of names and dimensions, and of what each exchange needs. Its
-/// mapping methods, acceleration and times are not read: the case file of the run has them.
+/// mapping methods, acceleration and times are not used: the case file of the run has them. The windows'
+/// length is read, to be compared with the case's.
 struct PreciceConfig {
   struct Data {
     std::string name;
@@ -42,6 +43,7 @@ struct PreciceConfig {
     std::vector<std::string> participants;
     bool implicit = false;
     std::vector<Exchange> exchanges;
+    double window = 0;  // [s] time-window-size; 0: none, or a participant chooses it
   };
 
   std::filesystem::path file;
@@ -54,6 +56,8 @@ struct PreciceConfig {
   /// attribute, or names what it does not define.
   static PreciceConfig read(const std::filesystem::path&);
 
+  /// [s] the windows' length of the scheme with that participant; 0 where there is none.
+  double window_of(const std::string& participant) const;
   /// The entry of that name; nullptr if there is none.
   const Data* find_data(const std::string& name) const;
   const Mesh* find_mesh(const std::string& name) const;

@@ -53,6 +53,16 @@ TEST(Comparison, TellsTheMetricsOfTwoSines) {
   EXPECT_FALSE(row_of(c, "l2").value[0]);
 }
 
+TEST(Comparison, NoiseHasNoFrequency) {
+  unsigned state = 1;
+  const auto noise = [&](double) {
+    return static_cast<double>((state = state * 1664525u + 1013904223u) >> 16);
+  };
+  const Comparison c = compare_records({record_of(1, 500, noise), record_of(1, 500, noise)}, "q", {});
+  EXPECT_FALSE(row_of(c, "frequency").value[0]);
+  EXPECT_FALSE(row_of(c, "frequency").value[1]);
+}
+
 TEST(Comparison, ZerosHaveNoTimeOfTheirPeak) {
   const auto zeros = record_of(1, 20, [](double) { return 0.0; });
   const Comparison c = compare_records({zeros, zeros}, "q", {});

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
+#include <random>
 
 namespace strake {
 namespace {
@@ -104,6 +107,37 @@ TEST(Curve, FitsALineThroughNoiseThatIsEvenAboutIt) {
   const Deviation off = deviation(curve, {{1, 2}, {-4, 0}});
   EXPECT_NEAR(off.largest, 1, 1e-9);
   EXPECT_NEAR(off.mean, 0.5, 1e-9);
+}
+
+/// Numbers in (-1, 1) without a pattern.
+double any_number() {
+  static std::minstd_rand source(7);
+  return 2 * static_cast<double>(source()) / static_cast<double>(std::minstd_rand::max()) - 1;
+}
+
+TEST(Curve, HasAFrequencyWhereAWaveStandsClear) {
+  const auto curve_of = [](auto q) {
+    Curve curve;
+    for (int k = 0; k <= 1000; ++k) {
+      curve.time.push_back(1e-3 * k);
+      curve.value.push_back(q(curve.time.back()));
+    }
+    return curve;
+  };
+  const auto wave = [](double t) { return std::sin(2 * std::numbers::pi * 5 * t); };
+  EXPECT_NEAR(*clear_frequency(curve_of([&](double t) { return std::exp(-2 * t) * wave(t) + 3; }), 0, 1), 5,
+              0.1);
+  EXPECT_NEAR(*clear_frequency(curve_of([&](double t) { return wave(t) + 0.2 * any_number(); }), 0, 1), 5,
+              0.1);
+  EXPECT_NEAR(*clear_frequency(curve_of([&](double t) { return std::pow(std::max(wave(t), 0.0), 4); }), 0, 1),
+              5, 0.05)
+      << "pulses";
+  for (const double follows : {0.0, 0.5, 0.9, 0.97}) {  // noise, white and of lower and lower pitch
+    double value = 0;
+    const Curve noise = curve_of([&](double) { return value = follows * value + any_number(); });
+    EXPECT_TRUE(period(noise, 0, 1)) << "noise has crossings";
+    EXPECT_FALSE(clear_frequency(noise, 0, 1)) << follows;
+  }
 }
 
 TEST(Curve, FindsThePeriodOfAWaveThroughItsNoise) {

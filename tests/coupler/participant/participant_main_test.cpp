@@ -25,6 +25,7 @@ Program toy() {
                  .paper = {},
                  .help = "Young's modulus"});
   };
+  program.properties = [](CaseFile&) { return "toy   1 kg\n"; };
   program.check = [](CaseFile&) { return std::vector<std::string>{"f1 dry 699 Hz"}; };
   return program;
 }
@@ -86,6 +87,17 @@ TEST_F(ParticipantMain, ACheckPrintsTheValuesOfTheEchoAsWell) {
   EXPECT_EQ(out_, "f1 dry 699 Hz\n" + std::string(values_line) + echo);
 }
 
+TEST_F(ParticipantMain, ACheckPrintsItsLineOfTheTableBeforeTheValues) {
+  const std::string path = file("[structure]\nyoung = 1.0\n");
+  EXPECT_EQ(run({"--properties", path}), 0);
+  const std::string row = out_;
+  EXPECT_EQ(row, "toy   1 kg\n");
+  EXPECT_EQ(run({"--echo", path}), 0);
+  const std::string echo = out_;
+  EXPECT_EQ(run({"--check", "--values", "--table", path}), 0) << err_;
+  EXPECT_EQ(out_, "f1 dry 699 Hz\n" + std::string(table_line) + row + values_line + echo);
+}
+
 TEST_F(ParticipantMain, ChecksRefuseWrongValuesAndUnknownKeysOfTheirPart) {
   EXPECT_EQ(run({"--check", "--case", file("[structure]\nyoung = 0.0\n")}), 3);
   EXPECT_NE(err_.find("case.toml:2:9: structure.young"), std::string::npos) << err_;
@@ -100,6 +112,7 @@ TEST_F(ParticipantMain, AWrongCommandLineExitsWithTwo) {
            {"--check", "--echo"},
            {"--values"},
            {"--echo", "--values"},
+           {"--check", "--table"},
            {"--check"},
            {"--connect", "ipc:///x", "--name", "structure"},
            {"--participant", "Solid", "--check"},

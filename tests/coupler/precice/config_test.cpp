@@ -49,7 +49,7 @@ const std::string whole = R"(<?xml version="1.0"?>
   </participant>
   <participant name="Two"><provide-mesh name="B" /><receive-mesh name="A" from="One" /></participant>
   <coupling-scheme:parallel-explicit>
-    <participants first="One" second="Two" />
+    <participants first="One" second="Two" /> <time-window-size value="2.5e-3" />
     <exchange data="Force" mesh="A" from="One" to="Two" initialize="yes" substeps="on" />
     <acceleration:IQN-ILS><data name="Force" mesh="A" /></acceleration:IQN-ILS>
   </coupling-scheme:parallel-explicit>
@@ -84,6 +84,11 @@ TEST_F(PreciceConfigFile, KeepsNamesDimensionsAndExchanges) {
   EXPECT_TRUE(scheme.exchanges.front().initialize);
   EXPECT_TRUE(scheme.exchanges.front().substeps);
   EXPECT_EQ(config.find_participant("Three"), nullptr);
+  EXPECT_EQ(config.window_of("Two"), 2.5e-3);
+  EXPECT_EQ(config.window_of("Three"), 0);
+  std::string text = whole;
+  text.replace(text.find("2.5e-3"), 6, "-1");  // the first participant chooses it
+  EXPECT_EQ(read(text).window_of("Two"), 0);
 }
 
 TEST_F(PreciceConfigFile, RefusesWithLineAndColumn) {
@@ -104,6 +109,8 @@ TEST_F(PreciceConfigFile, RefusesWithLineAndColumn) {
             name + ":6:3: <mesh>: has no dimensions\n  fix: <mesh dimensions=\"…\" … />\n");
   EXPECT_EQ(refused(changed("substeps=\"on\"", "substeps=\"perhaps\"")),
             name + ":16:5: <exchange>: substeps = \"perhaps\"\n  fix: true or false\n");
+  EXPECT_EQ(refused(changed("2.5e-3", "1 ms")),
+            name + ":15:47: <time-window-size>: value = \"1 ms\"\n  fix: a number of seconds above 0\n");
   EXPECT_EQ(refused(changed("waveform-degree=\"3\"", "waveform-degree=\"-1\"")),
             name + ":4:3: <data:vector>: waveform-degree = \"-1\"\n  fix: a whole number from 0\n");
   EXPECT_EQ(refused(changed("<participant name=\"Two\">", "<participant name=\"Two\"")),

@@ -48,7 +48,7 @@ TEST(Waveform, IsConstantOverEachStepWithDegreeZero) {
   Waveform waveform(0);
   waveform.begin(0, number(9));
   waveform.set_window(0, {{0.5, number(1)}, {1, number(2)}});
-  EXPECT_DOUBLE_EQ(waveform.at(0)(0, 0), 1);
+  EXPECT_DOUBLE_EQ(waveform.at(0)(0, 0), 9) << "as in preCICE: what held where the window begins";
   EXPECT_DOUBLE_EQ(waveform.at(0.4)(0, 0), 1);
   EXPECT_DOUBLE_EQ(waveform.at(0.5)(0, 0), 1);
   EXPECT_DOUBLE_EQ(waveform.at(0.6)(0, 0), 2);

@@ -113,6 +113,15 @@ class Calls(unittest.TestCase):
         self.assertEqual((solver.get_max_time_step_size(), one(0), one(0.75)), (0.75, 0.25, 1))
         self.refused(lambda: one(0.76), "read_data", "reads at 0.76 s after now", "0.75 s are left")
 
+    def test_a_window_of_which_the_start_alone_was_read_is_told(self):
+        solver, _ = self.ready()
+        self.finish(solver)
+        self.assertEqual([reply.advanced.monitor.get("precice.start_read") for reply, _ in self.answers[1:-1]], [0, 0, 0])
+        solver, ids = self.ready()
+        solver.read_data(MESH, READ, ids, 0.5)
+        self.finish(solver)
+        self.assertEqual([reply.advanced.monitor.get("precice.start_read") for reply, _ in self.answers[1:-1]], [None, 0, 0])
+
     def test_an_explicit_scheme_asks_for_no_checkpoint(self):
         solver, _ = self.ready(windows=[(0, "NOTHING", 1.0), (1, "COMMIT", 1.0)], config=CONFIG.replace("serial-implicit", "serial-explicit"))
         self.assertFalse(solver.requires_writing_checkpoint())

@@ -31,6 +31,28 @@ TEST(Alarms, SayTimePlaceCauseAndRemedyInOneLine) {
   EXPECT_EQ(json_of(alarms[0])["at"], (nlohmann::ordered_json{0.125, -0.25, 0}));
 }
 
+TEST(PreciceNotes, TellEachSideOnceThatItReadsAtTheStartAlone) {
+  PreciceNotes notes(0.01);
+  EXPECT_TRUE(notes.look("fluid", {{"seconds.solve", 1}}).empty());
+  const auto lines = notes.look("structure", {{"precice.start_read", 0.25}});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].starts_with("structure: in the window from t = 0.25 s it read")) << lines[0];
+  EXPECT_TRUE(notes.look("structure", {{"precice.start_read", 0.25}}).empty());
+  EXPECT_EQ(notes.look("fluid", {{"precice.start_read", 0}}).size(), 1u);
+}
+
+TEST(PreciceNotes, TellEachSideOnceThatItsConfigurationHasOtherWindows) {
+  PreciceNotes notes(0.01);
+  EXPECT_TRUE(notes.look("fluid", {{"precice.window", 0.01}}).empty());
+  const auto lines = notes.look("structure", {{"precice.window", 0.025}});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(
+      lines[0],
+      "structure: its preCICE configuration has time-window-size = 0.025 s, and the windows of this run "
+      "are 0.01 s long (coupling.surface.window), which hold; make the two equal");
+  EXPECT_TRUE(notes.look("structure", {{"precice.window", 0.025}}).empty());
+}
+
 TEST(Alarms, WithoutAPlaceSayNone) {
   const auto alarms = alarms_of(
       {{"alarm.momentum.time", 0.01}, {"alarm.momentum.value", 0.3}, {"alarm.momentum.bound", 0.1}});

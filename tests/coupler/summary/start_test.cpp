@@ -2,6 +2,8 @@
 
 #include "coupler/summary/start.hpp"
 
+#include "tests/proto/temporary_folder.hpp"
+
 #include <gtest/gtest.h>
 
 namespace strake {
@@ -136,6 +138,32 @@ TEST(Start, ASineThatStartsAtFullSpeedIsSaid) {
             "times the amplitude; with fluid.motion.ramp = 2, one period, they start at rest\n");
   view.value["fluid.motion.ramp"] = "2";
   EXPECT_EQ(said(view, small), "");
+}
+
+TEST(Start, ATableThatStartsAtSpeedOrJumpsIsSaid) {
+  const InterfaceMesh small = body({0, 0, 0}, {1, 1, 1});
+  const TemporaryFolder folder;
+  CaseView view = tank();
+  view.folder = folder.path();
+  view.common.end_time = 2;
+  view.value["fluid.motion.file"] = "motion.csv";
+  const auto with = [&](const std::string& table) {
+    put(folder.path() / "motion.csv", table);
+    return said(view, small);
+  };
+  EXPECT_EQ(with("t [s],vx [m/s]\n0,0\n0.5,0.4\n1,0.4\n2,0\n"), "");
+  EXPECT_EQ(
+      with("t [s],vx [m/s]\n0,0.4\n2,0.4\n"),
+      "fluid.motion.file starts at 0.4 m/s: tank and water start with that speed; for water at rest let the "
+      "table begin with speed 0 and grow from there\n");
+  EXPECT_EQ(with("t [s],vx [m/s]\n0,0\n1,0\n1.001,0.4\n2,0.4\n"),
+            "fluid.motion.file: the tank's speed jumps by 0.4 m/s at t = 1 s, within 0.001 s: the water's "
+            "pressure is an impulse there, 40.8 g on average; a change over 0.041 s has 1 g\n");
+  // The corner is 1.12 m from the pivot: 1 rad/s are 1.12 m/s there.
+  EXPECT_EQ(with("t [s],rate [rad/s]\n0,0\n0.001,1\n2,1\n"),
+            "fluid.motion.file: the tank's speed jumps by 1.12 m/s at t = 0 s, within 0.001 s: the water's "
+            "pressure is an impulse there, 114 g on average; a change over 0.11 s has 1 g\n");
+  EXPECT_EQ(with("t [s],vx [m/s]\n0,0\n1.999,0\n3,0\n3.001,9\n"), "") << "after the run's end";
 }
 
 TEST(Start, WaterAboveTheFloorIsSaidWhereNothingStandsUnderIt) {

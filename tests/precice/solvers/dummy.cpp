@@ -35,7 +35,7 @@ int run(const std::string& name, const std::string& config, const std::string& h
   while (coupling.isCouplingOngoing()) {
     if (coupling.requiresWritingCheckpoint()) std::puts("saves");
     const double dt = coupling.getMaxTimeStepSize();
-    if (how != "unread") coupling.readData(mesh, other, ids, dt, values);
+    if (how != "unread") coupling.readData(mesh, other, ids, how == "early" ? 0 : dt, values);
     if (++steps == 5) fail(how, coupling);
     if (how == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(10));
 #if defined(STRAKE_NAMES_OF) && STRAKE_NAMES_OF >= 302
@@ -56,7 +56,7 @@ int run(const std::string& name, const std::string& config, const std::string& h
 
 }  // namespace
 
-/// dummy One|Two CONFIG [throw | leave | exit | abort | misuse | slow | unwritten | unread]
+/// dummy One|Two CONFIG [throw | leave | exit | abort | misuse | slow | unwritten | unread | early]
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);

@@ -50,6 +50,19 @@ TEST(Bodies, HaveNamesInMessagesAndInTheEcho) {
   }
 }
 
+TEST(Bodies, AreReachedBySetUnderTheirNames) {
+  CaseFile file = CaseFile::parse(two, "case.toml", {"structures.left.free=true"}).of_body("left");
+  try {
+    file.root().table("structure").table("free");
+    ADD_FAILURE() << "a table is no flag";
+  } catch (const Error& error) {
+    EXPECT_EQ(
+        to_text(error),
+        "--set structures.left.free=true: expected a table\n"
+        "  fix: --set structures.left.free.KEY=VALUE for a key of it  (strake explain structure.free)\n");
+  }
+}
+
 TEST(Bodies, AreReadByEveryProgramAlike) {
   CaseFile whole = CaseFile::parse(two), own = whole.of_body("right");
   const CommonKeys of_all = read_common(whole), of_one = read_common(own);

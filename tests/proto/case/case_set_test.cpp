@@ -50,6 +50,23 @@ TEST(Set, IsReadAsTomlElseAsTextAndTheDeclarationDecides) {
   EXPECT_EQ(c.common.output_every, 1e-3);
 }
 
+TEST(Set, OfATableIsAnsweredWithTheSetOfItsKeys) {
+  const auto refused = [](const std::string& set) {
+    try {
+      read(head, {set});
+    } catch (const Error& error) {
+      return to_text(error);
+    }
+    return std::string("nothing was refused");
+  };
+  EXPECT_EQ(refused("fluid.scheme=true"),
+            "--set fluid.scheme=true: expected a table\n"
+            "  fix: --set fluid.scheme.KEY=VALUE for a key of it  (strake explain fluid.scheme)\n");
+  EXPECT_EQ(refused("output.probe=3"),
+            "--set output.probe=3: expected a list of tables\n"
+            "  fix: --set output.probe[0].KEY=VALUE for a key of it  (strake explain output.probe)\n");
+}
+
 TEST(Set, OfOneKeyCannotBringAnother) {
   EXPECT_EQ(read(head, {"title=1\nend_time = 7"}).common.end_time, 0.03);
 }
