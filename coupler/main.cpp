@@ -28,6 +28,7 @@ using strake::Error;
 using strake::error_of;
 using strake::ExitCode;
 using strake::find_case;
+using strake::number;
 using strake::put;
 using strake::StopRequest;
 using Action = std::function<ExitCode()>;
@@ -171,8 +172,8 @@ void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action)
                                      "quantity, e.g. mid.y; default the probes and forces that they share");
   probes->type_name("NAME")->take_all()->allow_extra_args(false);
   command->add_flag("--all", options.all, "every column that they share")->excludes(probes);
-  command->add_option("--from", options.from, "begin of the span")->type_name("S");
-  command->add_option("--to", options.to, "end of the span")->type_name("S");
+  command->add_option("--from", options.from, "begin of the span")->type_name("S")->check(number);
+  command->add_option("--to", options.to, "end of the span")->type_name("S")->check(number);
   command->add_option("--after", options.after, "where --from and --to count from, on the clock of the first")
       ->check(CLI::IsMember({"start", "contact"}))
       ->type_name("start|contact");
@@ -211,7 +212,7 @@ void add_picture(CLI::App& app, strake::PictureOptions& options, Action& action)
   CLI::App* command =
       app.add_subcommand("picture", "one instant of a run as PNG or SVG: water and structure by a field");
   add_picture_options(command, options, "x.png or x.svg, default RUN/FIELD.png");
-  command->add_option("--at", options.at, "time [s], the frame next to it; default the last");
+  command->add_option("--at", options.at, "time [s], the frame next to it; default the last")->check(number);
   command->callback([&] { action = [&] { return strake::draw_picture(options); }; });
 }
 
@@ -220,8 +221,8 @@ void add_film(CLI::App& app, strake::FilmOptions& options, const StopRequest& st
       app.add_subcommand("film", "all frames of a run as a film, with ffmpeg where that is installed");
   add_picture_options(command, options.picture, "x.mp4, x.webm or x.gif, default RUN/FIELD.mp4");
   command->add_option("--fps", options.frames_per_second, "frames in a second")->capture_default_str();
-  command->add_option("--from", options.from, "first time [s]");
-  command->add_option("--to", options.to, "last time [s]");
+  command->add_option("--from", options.from, "first time [s]")->check(number);
+  command->add_option("--to", options.to, "last time [s]")->check(number);
   command->callback([&] { action = [&] { return strake::make_film(options, stop); }; });
 }
 
@@ -235,7 +236,8 @@ void add_report(CLI::App& app, strake::ReportOptions& options, Action& action) {
                    "times of the pictures [s]: the frames next to them; default contact, first peak (without "
                    "both: half the run), end")
       ->delimiter(',')
-      ->type_name("T1,T2,...");
+      ->type_name("T1,T2,...")
+      ->check(number);
   command->callback([&] { action = [&] { return strake::write_report(options); }; });
 }
 

@@ -174,12 +174,18 @@ double FluidParticipant<dim>::longest_step(double t, double rest) const {
   const Scheme& scheme = parameters_.scheme;
   const double stable = simulation_.stable_dt(),
                at_rest = std::min({scheme.time_step, rest, column_step(parameters_)});
-  if (!(stable * most_refinement > at_rest))
+  if (!(stable * most_refinement > at_rest)) {
+    const auto& body = simulation_.state().interface_velocity;
+    const double speed = body.cols() > 0 ? body.colwise().norm().maxCoeff() : 0;
     throw Error(
         ExitCode::solver_fault, fmt::format("fluid, t = {:.9g} s", t),
-        fmt::format("the stable time step has fallen to {:.3g} s, from {:.3g} s: the flow has blown up",
-                    stable, at_rest),
-        "lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it began");
+        fmt::format("the stable time step has fallen to {:.3g} s, from {:.3g} s: the flow has blown up{}",
+                    stable, at_rest, speed > 0 ? fmt::format(" beside a body at {:.3g} m/s", speed) : ""),
+        fmt::format(
+            "{}lower fluid.scheme.time_step or fluid.scheme.cfl; look at the last frames for where it "
+            "began",
+            speed > 0 ? "if that speed is wrong, look at the structure first; " : ""));
+  }
   const double limit = std::min({scheme.time_step, stable, acoustic_step(parameters_)});
   constexpr double round_off = 1e-9;
   return rest / std::max(1.0, std::ceil(rest / limit - round_off));

@@ -2,6 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <cstdlib>
+
 namespace strake {
 
 void add_sets(CLI::App& command, std::vector<std::string>& sets) {
@@ -61,8 +64,14 @@ void add_picture_options(CLI::App* command, PictureOptions& options, const std::
   command
       ->add_option("--scale", options.scale,
                    "factor on the structure's deformation, without its rigid motion")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(number);
   command->add_option("-o", options.out, out)->type_name("FILE");
+}
+
+std::string number(const std::string& text) {
+  const double value = std::strtod(text.c_str(), nullptr);
+  return std::isfinite(value) ? "" : "expected a number, not " + text;
 }
 
 }  // namespace strake

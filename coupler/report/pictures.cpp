@@ -46,6 +46,22 @@ std::optional<FirstPeak> largest_first_peak(const Recorded& run) {
   return best;
 }
 
+/// Of the first probe that has one; of force.x, force.y and force.z of the largest, as those across a
+/// symmetric body are noise.
+std::optional<double> first_peak_of_forces(const Recorded& run) {
+  std::optional<double> at;
+  double largest = 0;
+  for (const ProbeResult& result : run.probes) {
+    const bool force =
+        result.probe.starts_with("force.") || result.probe.find(".force.") != std::string::npos;
+    const auto time = result.metric("time_of_first_peak"), value = result.metric("first_peak");
+    if (!time || (at && !(force && largest > 0 && value && std::abs(*value) > largest))) continue;
+    at = time;
+    largest = force && value ? std::abs(*value) : 0;  // 0: no force, so that it stays
+  }
+  return at;
+}
+
 /// Where one run bends and another is rigid, the rigid one is shown at the first peak of the other.
 std::optional<double> first_peak_time(const Recorded& run, const std::vector<Recorded>& runs) {
   std::optional<FirstPeak> largest;
@@ -55,9 +71,7 @@ std::optional<double> first_peak_time(const Recorded& run, const std::vector<Rec
   const auto own = largest_first_peak(run);
   if (own && own->size > 1e-3 * largest->size) return own->time;
   if (largest) return largest->time;
-  for (const ProbeResult& result : run.probes)
-    if (const auto time = result.metric("time_of_first_peak")) return time;
-  return std::nullopt;
+  return first_peak_of_forces(run);
 }
 
 std::vector<Instant> instants_of(const Recorded& run, const std::vector<Recorded>& runs,

@@ -42,6 +42,9 @@ constexpr double jet = 4;            // fastest water over the body's speed, abo
 constexpr double sound_step = 2e-6;  // [s] the step where a level face meets the water
 constexpr double far_off = 20;
 constexpr double infinite = std::numeric_limits<double>::infinity();
+// Of a particle in a frame [bytes]: eleven numbers; layers behind walls are left out.
+constexpr double frame_bytes_each = 85;
+constexpr double much_disk = 1e9;  // [bytes]
 
 /// The number before `what` in "about 10 000 water particles, 400 wall particles: 60 MB"; 0 if there is none.
 double count_of(const std::string& text, const std::string& what) {
@@ -110,6 +113,12 @@ double finite_element_seconds(const CaseView& view, const std::string& text) {
   return unknowns * (unknowns < iterative_from ? space_unknown_seconds : iterative_unknown_seconds);
 }
 
+/// Frames of the run, after the first: one at each output.every, at most one a window.
+double frames_of(const CaseView& view) {
+  const double every = std::max(view.common.output_every, view.common.window);
+  return every > 0 ? std::floor(view.common.end_time / every * (1 + 1e-9)) : 0;
+}
+
 /// Time of what is no step [s]: programs that start, the set-up of the water, its frames.
 double seconds_beside_steps(const CaseView& view, double particles) {
   double seconds = 0;
@@ -117,12 +126,18 @@ double seconds_beside_steps(const CaseView& view, double particles) {
     seconds += side->solver == "fem" || side->solver == "ccx" ? start_with_libraries_seconds : start_seconds;
   const bool plane = view.number("fluid.dimension").value_or(2) < 2.5,
              packed = at_or(view.value, "fluid.submerged") == "true";
-  const double every = view.common.output_every;
-  const double frames = every > 0 ? view.common.end_time / every : 0;
   return seconds +
          particles * (packed ? (plane ? plane_packed_seconds : packed_seconds)
                              : (plane ? plane_set_up_seconds : space_set_up_seconds)) +
-         particles * frames * frame_seconds;
+         particles * frames_of(view) * frame_seconds;
+}
+
+/// The number of frames and what they take on disk; empty where the particles are not known.
+std::string frames_text(const CaseView& view, const Pace& pace) {
+  if (!(pace.frame_bytes > 0)) return "";
+  return fmt::format("{} frames (output.every = {:g} s): {} on disk",
+                     grouped(std::llround(frames_of(view) + 1)), view.common.output_every,
+                     memory_text((frames_of(view) + 1) * pace.frame_bytes));
 }
 
 std::string step_reason(const CaseView& view, const Pace& pace) {
@@ -172,6 +187,7 @@ std::optional<Pace> pace_of(const CaseView& view) {
     }
   }
   const bool plane = view.number("fluid.dimension").value_or(2) < 2.5;
+  pace.frame_bytes = pace.particles * frame_bytes_each;
   pace.seconds = pace.particles * pace.steps * pace.iterations * (plane ? plane_seconds : space_seconds);
   if (sound && pace.step <= sound_step) pace.seconds *= shared;
   pace.seconds += elastic * pace.windows * pace.iterations;
@@ -197,6 +213,7 @@ std::vector<std::string> pace_lines(const CaseView& view) {
         pace->iterations > 1 ? fmt::format(", {:g} iterations of a window", pace->iterations) : "",
         cost_of(pace->seconds), elastic ? " (a soft or light body: up to ten times as long)" : "",
         memory_text(pace->bytes)));
+  if (const std::string frames = frames_text(view, *pace); !frames.empty()) lines.push_back(frames);
   return lines;
 }
 
@@ -236,6 +253,14 @@ void look_at_steps(const CaseView& view, const Pace& pace, std::vector<std::stri
                     "level face, rho c "
                     "V, is not resolved",
                     pace.step, times(ratio), sound_step));
+}
+
+/// Frames that fill a disk: of a long run with the default of output.every.
+void look_at_frames(const CaseView& view, const Pace& pace, std::vector<std::string>& lines) {
+  constexpr double usual = 200;  // frames of a film
+  if (frames_of(view) < 2 * usual || frames_of(view) * pace.frame_bytes < much_disk) return;
+  lines.push_back(fmt::format("{}; output.every = {:.1g} makes {:g}", frames_text(view, pace),
+                              view.common.end_time / usual, usual));
 }
 
 /// Gravity that points up, or along the water's level: in Strake y points up.
@@ -332,6 +357,7 @@ std::vector<std::string> far_off_lines(const CaseView& view, double extent) {
   const auto pace = pace_of(view);
   if (!pace || view.common.preset != "improved") return lines;
   look_at_steps(view, *pace, lines);
+  look_at_frames(view, *pace, lines);
   look_at_units(view, lines);
   look_at_plane(view, lines);
   look_at_tank(view, lines);

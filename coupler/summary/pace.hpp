@@ -17,6 +17,7 @@ struct Pace {
   double particles = 0;                       // of water and walls, about; 0: not known
   double seconds = 0;                         // of computing, within a factor of three
   double bytes = 0;                           // of memory, of both sides
+  double frame_bytes = 0;                     // of a frame of the water, on disk
 };
 /// Estimates it; nothing without water of ours, or in volume coupling.
 std::optional<Pace> pace_of(const CaseView&);

@@ -224,10 +224,14 @@ void look_at_way(const CaseView& view, const BodyAtStart& body, std::vector<std:
   const double floor = std::min(lowest_of(view, "fluid.tank"), lowest_of(view, "fluid.tank_polygon")),
                reached = (floor - mesh->position.row(1).minCoeff()) / velocity[1];
   if (!std::isfinite(floor) || !(reached > 0) || !(reached < view.common.end_time)) return;
-  lines.push_back(
-      fmt::format("{}.velocity drives the body to the floor of the tank at t = {:.3g} s: the run "
-                  "ends there, before end_time = {:.6g} s",
-                  table, reached, view.common.end_time));
+  // Boundary::check_place lets a body a spacing into a wall, where floors and gates rest.
+  const double end = reached - view.number("fluid.spacing").value_or(0) / velocity[1];
+  lines.push_back(fmt::format(
+      "{}.velocity drives the body to the floor of the tank at t = {:.3g} s: loads after that are not to be "
+      "used{}",
+      table, reached,
+      end < view.common.end_time ? fmt::format(", and the run ends a spacing deeper, at t = {:.3g} s", end)
+                                 : ""));
 }
 
 }  // namespace

@@ -110,11 +110,11 @@ void Boundary<dim>::check_place(const State<dim>& state, const Points& place) co
                   "move the body, or enlarge fluid.tank; all lengths are in m, also those of a program of "
                   "your own: 1 mm is 0.001");
     throw Error(ExitCode::solver_fault, fmt::format("structure, t = {:.6g} s", state.time),
-                fmt::format("the body has come to {} m, beyond the {} of the tank", at, beyond),
+                fmt::format("the body has come to {} m, a spacing beyond the {} of the tank", at, beyond),
                 past_seam
                     ? "end the run before it gets there, or make fluid.tank longer: no body goes over a seam"
-                    : "end the run before it gets there, or make fluid.tank larger: bodies do not rebound "
-                      "from walls");
+                    : "end the run before it touches them, or make fluid.tank larger: bodies do not rebound "
+                      "from walls, and loads since then are not to be used");
   }
 }
 

@@ -1,4 +1,5 @@
 #include "tests/fluid/participant_case.hpp"
+#include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -106,6 +107,18 @@ TEST(FluidParticipant, the_momentum_account_of_two_plates_is_compared_with_the_w
       {-0.15, 0.15}, {"fluid.tank=[[-0.3, -0.1], [0.3, 0.1]]", "fluid.water=[[-0.3, -0.1], [0.3, 0.0]]"});
   EXPECT_GT(one, 1e-4);
   EXPECT_NEAR(two, one, 0.1 * one);
+}
+
+TEST(FluidParticipant, a_body_that_has_blown_up_is_named_with_its_speed) {
+  const Case c;
+  FluidParticipant<2> participant(c.parameters, c.common, entering());
+  const std::string text = text_of_error(
+      [&] {
+        participant.advance(nth(0), {{{window, {moving("displacement", {0, 100, 0})}}}});
+      },
+      ExitCode::solver_fault);
+  EXPECT_NE(text.find("blown up beside a body at 5e+06 m/s"), std::string::npos) << text;
+  EXPECT_NE(text.find("look at the structure first"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ def other_library(place):
     named = calls(run(place, *words, "--set", 'fluid.precice_names=["Forces0=force"]').stdout)
     expect([line.split()[2] for line in named if line.startswith("write Forces0")] == ["0", *forces], "another library: the case says what a name means")
     began = time.monotonic()
-    refused(place, words_of("floor", "fluid", *library), 4, "beyond the walls of the tank", env=dict(ENV, RECORDER_VALUE="10"))
+    refused(place, words_of("floor", "fluid", *library), 4, "a spacing beyond the walls of the tank", env=dict(ENV, RECORDER_VALUE="10"))
     expect(time.monotonic() - began < 5, f"another library: a fault ends the process after {time.monotonic() - began:.1f} s, although its finalize waits")
 
 

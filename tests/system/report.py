@@ -118,7 +118,8 @@ def pictures(place, run):
            f"picture says the largest stress of the points: {result.stdout} {most}")
     expect("half a spacing inside a face" in result.stdout, "and that particles do not stand at the face")
     for wrong, code, word in ((["--field", "warmth"], 2, "pressure"), (["--size", "3"], 2, "1280x720"), (["-o", "x.gif"], 2, ".png"),
-                              (["--view", "1,1,0,0"], 2, "corner"), (["--range", "5"], 2, "0,1e6")):
+                              (["--view", "1,1,0,0"], 2, "corner"), (["--range", "5"], 2, "0,1e6"),
+                              (["--at", "nan"], 2, "expected a number, not nan"), (["--scale", "inf"], 2, "expected a number")):
         result = strake("picture", run, *wrong, cwd=place)
         expect(result.returncode == code and word in result.stderr, f"{wrong} is refused: {result.stderr.strip()}")
     films(place, run)
@@ -200,6 +201,8 @@ def report_of_runs(place, runs):
     page = read_page(runs[0] / "report.html")
     expect(one.returncode == 0 and len(page.images) == 2 and "t = 2 ms" in page.images[1]["alt"],
            f"--at chooses the pictures: {[i['alt'] for i in page.images]}")
+    wrong = strake("report", runs[0], "--at", "1e-3,nan", cwd=place)
+    expect(wrong.returncode == 2 and "expected a number, not nan" in wrong.stderr, f"--at nan is refused: {wrong.stderr.strip()}")
 
 
 def names_are_escaped(place, run):

@@ -2,7 +2,6 @@
 #include "coupler/plot/plot.hpp"
 #include "coupler/report/sections.hpp"
 #include "coupler/report/sketch.hpp"
-#include "proto/files/frame_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
@@ -333,25 +332,6 @@ TEST(Outline, OfFacetsInAnyOrderIsOneWalk) {
     EXPECT_EQ(std::hypot(to.x - from.x, to.y - from.y), 1)
         << from.x << " " << from.y << " to " << to.x << " " << to.y;
   }
-}
-
-// A frame that is drawn around its body must not take the size of that body for a scale: this one has none.
-TEST(Pictures, ABodyInOnePlaceIsDrawnWithAllOfTheWater) {
-  const TemporaryFolder folder;
-  put(folder / "case.toml", "[fluid]\nspacing = 0.1\n");
-  Frame water, body;
-  water.position = Points::Zero(3, 40);
-  for (int i = 0; i < 40; ++i) water.position.col(i) << 0.1 * (i % 8), 0.1 * std::floor(i / 8), 0;
-  water.point_data = {{"pressure", "Pa", Eigen::MatrixXd::Ones(1, 40)}};
-  FrameSeries(folder.path(), "fluid", 2).write(water);
-  body.position = Points::Constant(3, 3, 0.0);
-  body.cells.resize(3, 1);
-  body.cells << 0, 1, 2;
-  FrameSeries(folder.path(), "structure", 2).write(body);
-  Recorded run;
-  run.folder = folder.path();
-  run.name = "one place";
-  EXPECT_EQ(count(pictures({run}, {0}), "<figure>"), 1U);
 }
 
 TEST(Limits, AirIsJudgedByThePressureOfTheOpenAirOfItsCase) {

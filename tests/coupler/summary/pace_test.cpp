@@ -63,8 +63,23 @@ TEST(Pace, CountsStepsParticlesAndMemory) {
   EXPECT_EQ(pace_of(view)->windows, 1);
   EXPECT_EQ(pace_of(view)->steps, 100);
   view.common.window = 1e-3;
+  const double driven = pace_of(view)->seconds;
   view.value["structure.free.y"] = "true";
-  EXPECT_GT(pace_of(view)->seconds, pace->seconds) << "iterations";
+  EXPECT_GT(pace_of(view)->seconds, driven) << "iterations";
+}
+
+TEST(Pace, TellsWhatTheFramesTakeOnDisk) {
+  CaseView view = wedge();  // output.every = 1e-4
+  EXPECT_DOUBLE_EQ(pace_of(view)->frame_bytes, 10500 * 85);
+  EXPECT_TRUE(says(pace_lines(view), "101 frames (output.every = 0.0001 s): 90 MB on disk"));
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "on disk"));
+  view.common.end_time = 1;
+  EXPECT_TRUE(says(far_off_lines(view, 0.5),
+                   "10 001 frames (output.every = 0.0001 s): 8.9 GB on disk; "
+                   "output.every = 0.005 makes 200"));
+  view.common.window = 1e-2;  // at most one a window
+  EXPECT_TRUE(says(pace_lines(view), "101 frames"));
+  EXPECT_FALSE(says(far_off_lines(view, 0.5), "on disk"));
 }
 
 TEST(Pace, CountsTheSetUpOfWaterInSpace) {

@@ -320,7 +320,7 @@ TEST(Boundary, ABodyThatFallsThroughTheFloorEndsTheRun) {
   const std::string text =
       text_of_error([&] { scene.boundary.move(scene.state, displacement, Points::Zero(3, m), true); },
                     ExitCode::solver_fault);
-  EXPECT_NE(text.find("beyond the walls"), std::string::npos) << text;
+  EXPECT_NE(text.find("a spacing beyond the walls"), std::string::npos) << text;
 }
 
 TEST(Boundary, ABodyThatStartsBeyondTheWallsIsToldOfItsUnit) {
