@@ -28,7 +28,7 @@ using strake::Error;
 using strake::error_of;
 using strake::ExitCode;
 using strake::find_case;
-using strake::number;
+using strake::no_number;
 using strake::put;
 using strake::StopRequest;
 using Action = std::function<ExitCode()>;
@@ -172,8 +172,8 @@ void add_compare(CLI::App& app, strake::CompareOptions& options, Action& action)
                                      "quantity, e.g. mid.y; default the probes and forces that they share");
   probes->type_name("NAME")->take_all()->allow_extra_args(false);
   command->add_flag("--all", options.all, "every column that they share")->excludes(probes);
-  command->add_option("--from", options.from, "begin of the span")->type_name("S")->check(number);
-  command->add_option("--to", options.to, "end of the span")->type_name("S")->check(number);
+  command->add_option("--from", options.from, "begin of the span")->type_name("S")->check(no_number);
+  command->add_option("--to", options.to, "end of the span")->type_name("S")->check(no_number);
   command->add_option("--after", options.after, "where --from and --to count from, on the clock of the first")
       ->check(CLI::IsMember({"start", "contact"}))
       ->type_name("start|contact");
@@ -212,7 +212,8 @@ void add_picture(CLI::App& app, strake::PictureOptions& options, Action& action)
   CLI::App* command =
       app.add_subcommand("picture", "one instant of a run as PNG or SVG: water and structure by a field");
   add_picture_options(command, options, "x.png or x.svg, default RUN/FIELD.png");
-  command->add_option("--at", options.at, "time [s], the frame next to it; default the last")->check(number);
+  command->add_option("--at", options.at, "time [s], the frame next to it; default the last")
+      ->check(no_number);
   command->callback([&] { action = [&] { return strake::draw_picture(options); }; });
 }
 
@@ -221,8 +222,8 @@ void add_film(CLI::App& app, strake::FilmOptions& options, const StopRequest& st
       app.add_subcommand("film", "all frames of a run as a film, with ffmpeg where that is installed");
   add_picture_options(command, options.picture, "x.mp4, x.webm or x.gif, default RUN/FIELD.mp4");
   command->add_option("--fps", options.frames_per_second, "frames in a second")->capture_default_str();
-  command->add_option("--from", options.from, "first time [s]")->check(number);
-  command->add_option("--to", options.to, "last time [s]")->check(number);
+  command->add_option("--from", options.from, "first time [s]")->check(no_number);
+  command->add_option("--to", options.to, "last time [s]")->check(no_number);
   command->callback([&] { action = [&] { return strake::make_film(options, stop); }; });
 }
 
@@ -237,7 +238,7 @@ void add_report(CLI::App& app, strake::ReportOptions& options, Action& action) {
                    "both: half the run), end")
       ->delimiter(',')
       ->type_name("T1,T2,...")
-      ->check(number);
+      ->check(no_number);
   command->callback([&] { action = [&] { return strake::write_report(options); }; });
 }
 

@@ -32,8 +32,9 @@ class MotionTable {
               std::array<std::vector<double>, n_channels> value);
 
   RigidMotion at(double t) const;
-  double start() const { return time_.front(); }  // [s]
-  double end() const { return time_.back(); }     // [s]
+  const std::vector<double>& times() const { return time_; }  // of its rows [s]
+  double start() const { return time_.front(); }              // [s]
+  double end() const { return time_.back(); }                 // [s]
   /// True if it gives a channel: 0 x, 1 y, 2 z, 3 angle. A channel that is not given stands still.
   bool gives(std::size_t channel) const { return channel_.at(channel).kind != MotionColumn::absent; }
   bool turns() const { return gives(3); }

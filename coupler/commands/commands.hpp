@@ -181,6 +181,6 @@ CLI::App* add_run_options(CLI::App* command, RunOptions&);
 void add_picture_options(CLI::App* command, PictureOptions&, const std::string& out);
 
 /// What is wrong with the number of an option, for CLI11: nan and inf are none. Empty: nothing.
-std::string number(const std::string& text);
+std::string no_number(const std::string& text);
 
 }  // namespace strake

@@ -65,11 +65,11 @@ void add_picture_options(CLI::App* command, PictureOptions& options, const std::
       ->add_option("--scale", options.scale,
                    "factor on the structure's deformation, without its rigid motion")
       ->capture_default_str()
-      ->check(number);
+      ->check(no_number);
   command->add_option("-o", options.out, out)->type_name("FILE");
 }
 
-std::string number(const std::string& text) {
+std::string no_number(const std::string& text) {
   const double value = std::strtod(text.c_str(), nullptr);
   return std::isfinite(value) ? "" : "expected a number, not " + text;
 }

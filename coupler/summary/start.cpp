@@ -2,7 +2,6 @@
 
 #include "coupler/compare/compare_block.hpp"
 #include "proto/error.hpp"
-#include "proto/files/history.hpp"
 #include "proto/files/motion_file.hpp"
 #include "proto/lookup.hpp"
 #include "proto/text.hpp"
@@ -124,9 +123,9 @@ struct Jump {
   double time = 0, lasts = 0, change = 0;  // [s], [s], [m/s]
 };
 
-/// The first interval in which a table's acceleration is above `largest` [m/s^2]. times: of its rows [s].
-std::optional<Jump> first_jump(const MotionTable& table, const std::vector<double>& times, double end,
-                               double reach, double largest) {
+/// The first interval in which a table's acceleration is above `largest` [m/s^2].
+std::optional<Jump> first_jump(const MotionTable& table, double end, double reach, double largest) {
+  const std::vector<double>& times = table.times();
   constexpr int parts = 4;  // between two rows a speed is a cubic at most
   const auto change = [&](const RigidMotion& a, const RigidMotion& b) {
     return (b.velocity - a.velocity).norm() + std::abs(b.angular_velocity - a.angular_velocity) * reach;
@@ -165,16 +164,11 @@ void look_at_tank_table(const CaseView& view, std::vector<std::string>& lines) {
         "fluid.motion.file starts at {:.3g} m/s: tank and water start with that speed; for water at rest let "
         "the table begin with speed 0 and grow from there",
         speed));
-  const Table rows = read_given_table(view.folder / file);
-  for (std::size_t c = 0; c < rows.columns.size(); ++c) {
-    if (rows.columns[c].name != "t" && rows.columns[c].name != "time") continue;
-    if (const auto jump = first_jump(table, rows.value[c], end, reach, largest))
-      lines.push_back(fmt::format(
-          "fluid.motion.file: the tank's speed jumps by {:.3g} m/s at t = {:.6g} s, within {:.3g} s: the "
-          "water's "
-          "pressure is an impulse there, {:.3g} g on average; a change over {:.2g} s has 1 g",
-          jump->change, jump->time, jump->lasts, jump->change / jump->lasts / 9.81, jump->change / 9.81));
-  }
+  if (const auto jump = first_jump(table, end, reach, largest))
+    lines.push_back(fmt::format(
+        "fluid.motion.file: the tank's speed jumps by {:.3g} m/s at t = {:.6g} s, within {:.3g} s: the "
+        "water's pressure is an impulse there, {:.3g} g on average; a change over {:.2g} s has 1 g",
+        jump->change, jump->time, jump->lasts, jump->change / jump->lasts / 9.81, jump->change / 9.81));
 }
 
 /// The lowest height of a box or polygon of the case, "[[x, y, z], [x, y, z]]"; infinity where there is none.

@@ -305,12 +305,10 @@ def dummies(runs):
         runs.run("dummies", f"structure.solver=made/{solver}")
         said = [line.replace("8.00000", "8") for line in runs.log("dummies", "structure").splitlines()]
         expect(said == order, f"{solver}: {said}")
-    said = "preCICE configuration has time-window-size = 1 s, and the windows of this run are 0.5 s"
-    once = [runs.run("dummies", *settings).stdout.count(said) for settings in ([], ["coupling.surface.window=0.5"])]
-    expect(once == [0, 2], f"another window than the configuration's: told once for each side: {once}")
-    said = "it read the partner's data at relative time 0 alone"
-    once = [runs.run("dummies", f'structure.arguments=["Two", "dummies.xml"{how}]').stdout.count(said) for how in ("", ', "early"')]
-    expect(once == [0, 1], f"read at the windows' start: told once, and nobody else is: {once}")
+    for said, setting, times in (("preCICE configuration has time-window-size = 1 s, and the windows of this run are 0.5 s", "coupling.surface.window=0.5", 2),
+                                 ("it read the partner's data at relative time 0 alone", 'structure.arguments=["Two", "dummies.xml", "early"]', 1)):
+        told = [runs.run("dummies", *settings).stdout.count(said) for settings in ([], [setting])]
+        expect(told == [0, times], f"{said}: told once by each side that it concerns, and by nobody else: {told}")
 
 
 def misuses(runs):
@@ -375,15 +373,9 @@ def frozen(runs):
 
 def solver_of(coupler, name):
     """The child of the coupler that is started as participant `name`."""
-    for entry in pathlib.Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                if parent == coupler and name in (entry / "cmdline").read_text().split("\0"):
-                    return int(entry.name)
-            except (OSError, IndexError):
-                continue
-    raise SystemExit(f"no solver {name} of process {coupler}")
+    found = [pid for pid, words in child_processes(coupler) if name in words]
+    expect(len(found) == 1, f"a solver {name} of process {coupler}: {found}")
+    return found[0]
 
 
 def alone(runs):

@@ -62,20 +62,23 @@ def start(*words, cwd):
                             stderr=subprocess.PIPE, text=True)
 
 
-def children(pid):
-    """Process name → pid of the children of `pid`."""
-    found = {}
+def child_processes(pid):
+    """The pid and the words of the command line of each child of `pid`."""
     for entry in pathlib.Path("/proc").iterdir():
         if not entry.name.isdigit():
             continue
         try:
             fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
-            if int(fields[1]) == pid and fields[0] != "Z":
-                name = (entry / "cmdline").read_bytes().split(b"\0")[0].decode()
-                found[pathlib.Path(name).name] = int(entry.name)
+            words = (entry / "cmdline").read_bytes().decode().split("\0")
         except (OSError, IndexError):
             continue
-    return found
+        if int(fields[1]) == pid and fields[0] != "Z":
+            yield int(entry.name), words
+
+
+def children(pid):
+    """Process name → pid of the children of `pid`."""
+    return {pathlib.Path(words[0]).name: child for child, words in child_processes(pid)}
 
 
 def ranks_of(process, program):
