@@ -48,6 +48,19 @@ strake_install() {
   rm -f "$log"
 }
 
+# Prints how many compilers may run at once: one per processor, and one per 1.5 GiB of memory that is free now, which
+# the largest source takes. In a container its own limit on memory counts too. strake_jobs [MEMINFO [LIMIT]]: other files.
+strake_jobs() {
+  local jobs free limit
+  jobs=$(nproc)
+  free=$(awk '/^MemAvailable:/ { print $2 }' "${1:-/proc/meminfo}")
+  limit=$(cat "${2:-/sys/fs/cgroup/memory.max}" 2>/dev/null || echo max)
+  if [ "$limit" != max ] && [ $((limit / 1024)) -lt "${free:-0}" ]; then free=$((limit / 1024)); fi
+  free=$((${free:-0} / 1572864))
+  if [ "$free" -ge 1 ] && [ "$free" -lt "$jobs" ]; then jobs=$free; elif [ "$free" -lt 1 ]; then jobs=1; fi
+  echo "$jobs"
+}
+
 # Configures once and builds the named targets; silent when there is nothing to do.
 strake_make() {
   if [ ! -f "$strake_build/build.ninja" ]; then
@@ -58,6 +71,8 @@ strake_make() {
     grep -h 'STRAKE:' "$strake_build/configure.log" || true
   fi
   if [ "$(cd "$strake_build" && ninja -n "$@" 2>/dev/null | tail -n 1)" = "ninja: no work to do." ]; then return 0; fi
-  echo "strake: building with $(nproc) processes (a first build takes some minutes)"
-  cmake --build "$strake_build" --parallel "$(nproc)" --target "$@" || exit 70
+  local jobs
+  jobs=$(strake_jobs)
+  echo "strake: building with $jobs processes (a first build takes some minutes)"
+  cmake --build "$strake_build" --parallel "$jobs" --target "$@" || exit 70
 }
