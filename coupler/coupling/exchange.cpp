@@ -137,6 +137,23 @@ StructureSample received_fields(std::vector<Field>&& answer, const StructureSamp
   return taken;
 }
 
+void correct_start(const StructureSample& start, const StructureSample& first, StructureSample& second) {
+  const double dt1 = first.time - start.time, dt2 = second.time - first.time;
+  if (!start.motion || !first.motion || !second.motion || !(dt1 > 0) || !(dt2 > 0)) return;
+  const Values &x0 = start.motion->displacement, &x1 = first.motion->displacement,
+               &x2 = second.motion->displacement;
+  MatrixXd velocity = second.motion->velocity;
+  bool changed = false;
+  for (Index i = 0; i < velocity.cols(); ++i) {
+    const Eigen::Vector3d d1 = (x1.col(i) - x0.col(i)) / dt1, d2 = (x2.col(i) - x1.col(i)) / dt2,
+                          v2 = d2 + (d2 - d1) * (dt2 / (dt1 + dt2));
+    if (!(d1.norm() > 2 * (d2 - d1).norm()) || !((v2 - velocity.col(i)).norm() > 0.5 * d1.norm())) continue;
+    velocity.col(i) = v2;
+    changed = true;
+  }
+  if (changed) second.motion->velocity = std::move(velocity);
+}
+
 FieldTransfer::FieldTransfer(Mapping to_fluid, std::optional<Mapping> to_structure)
     : to_fluid_(std::move(to_fluid)), to_structure_(std::move(to_structure)) {}
 
