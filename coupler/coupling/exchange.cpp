@@ -7,12 +7,18 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <string>
 
 namespace strake {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+
+/// Units of what Strake's own solvers and the sums of history.csv take.
+const std::map<std::string, std::string> units_of_vectors = {
+    {"displacement", "m"}, {"velocity", "m/s"}, {"force", "N"}};
 
 void check_announced(const std::vector<Field>& fields, const Participant& participant, const char* name) {
   const Index n = participant.mesh().position.cols();
@@ -23,8 +29,11 @@ void check_announced(const std::vector<Field>& fields, const Participant& partic
     if (field.value.cols() != n || field.value.rows() == 0)
       refuse(fmt::format("its {} at the start is {}×{} and does not fit its mesh of {} points",
                          field.quantity, field.value.rows(), field.value.cols(), n));
-    const bool vector =
-        field.quantity == "displacement" || field.quantity == "velocity" || field.quantity == "force";
+    const auto unit = units_of_vectors.find(field.quantity);
+    const bool vector = unit != units_of_vectors.end();
+    if (vector && !field.unit.empty() && field.unit != unit->second)
+      refuse(fmt::format("it announces {} in \"{}\", expected \"{}\"", field.quantity, field.unit,
+                         unit->second));
     if (vector && field.value.rows() != 3)
       refuse(
           fmt::format("its {} has {} components, not 3 (z = 0 in 2-D)", field.quantity, field.value.rows()));
