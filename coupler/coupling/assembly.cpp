@@ -160,6 +160,8 @@ Input Assembly::input_of(std::size_t body, const Window& window, const Input& al
 
 void Assembly::start(const Window& window, const Input& input) {
   window_ = window;
+  if (begins_) begin_ = {StructureSample{window.t, committed_, {}}};
+  begins_ = false;
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     bodies_[k].solver->start_with(window, input_of(k, window, input));
 }
@@ -167,6 +169,7 @@ void Assembly::start(const Window& window, const Input& input) {
 Advanced Assembly::finish() {
   Advanced all;
   last_ = committed_;
+  sends_velocity_.assign(bodies_.size(), false);
   bool velocity = false;  // some body sends its own
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Advanced own = bodies_[k].solver->finish();
@@ -182,7 +185,8 @@ Advanced Assembly::finish() {
     if (all.retry_smaller_dt) continue;
     all.dt_limit = std::min(all.dt_limit, own.dt_limit);
     gather_monitor(bodies_[k].name, own.monitor, all.monitor);
-    velocity = take_motion(k, own) || velocity;
+    sends_velocity_[k] = take_motion(k, own);
+    velocity = sends_velocity_[k] || velocity;
   }
   if (all.retry_smaller_dt) return all;
   all.output = StructureSample{0, last_, {}}.fields();
@@ -235,7 +239,24 @@ void Assembly::commit(bool write_output) {
   refuse_contact(ExitCode::solver_fault, fmt::format("at t = {:.6g} s", window_.t + window_.dt),
                  last_.displacement);
   for (const Body& body : bodies_) body.solver->commit(write_output);
+  keep_begin();
   committed_ = last_;
+}
+
+/// Keeps the motion after the first window, and corrects that after the second where a body sends none.
+void Assembly::keep_begin() {
+  if (begin_.empty()) return;
+  StructureSample now = {window_.t + window_.dt, last_, {}};
+  if (begin_.size() == 1) {
+    begin_.push_back(std::move(now));
+    return;
+  }
+  correct_start(begin_[0], begin_[1], now);
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    if (!sends_velocity_[k])
+      last_.velocity.edit().middleCols(mesh_.parts[k].first_point, points_of(k)) =
+          now.motion->velocity.middleCols(mesh_.parts[k].first_point, points_of(k));
+  begin_.clear();
 }
 
 void Assembly::checkpoint(const std::filesystem::path& folder) {
@@ -249,6 +270,7 @@ void Assembly::resume(const std::filesystem::path& folder) {
 void Assembly::set_committed(Motion motion) {
   committed_ = std::move(motion);
   last_ = committed_;
+  begins_ = false;
 }
 
 }  // namespace strake

@@ -44,6 +44,7 @@ class Assembly final : public Participant {
   Eigen::Index points_of(std::size_t body) const;
   Input input_of(std::size_t body, const Window&, const Input&) const;
   bool take_motion(std::size_t body, Advanced&);  // true: it sent its velocity
+  void keep_begin();
   void join_meshes();
   void join_descriptions();
   void gather_monitor(const std::string& body, const std::map<std::string, double>&,
@@ -58,7 +59,10 @@ class Assembly final : public Participant {
   InterfaceMesh mesh_;
   Description description_;
   Window window_;
-  Motion committed_, last_;  // of all, 3×n; last_: at the end of the window under way
+  Motion committed_, last_;           // of all, 3×n; last_: at the end of the window under way
+  std::vector<bool> sends_velocity_;  // of each body, in that window
+  bool begins_ = true;                // no window has been computed
+  StructureSamples begin_;  // at the start and after the first window, until the second is committed
 };
 
 /// Two bodies of a mesh that are close to each other.

@@ -7,12 +7,18 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <string>
 
 namespace strake {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+
+/// Units of what Strake's own solvers and the sums of history.csv take.
+const std::map<std::string, std::string> units_of_vectors = {
+    {"displacement", "m"}, {"velocity", "m/s"}, {"force", "N"}};
 
 void check_announced(const std::vector<Field>& fields, const Participant& participant, const char* name) {
   const Index n = participant.mesh().position.cols();
@@ -23,8 +29,11 @@ void check_announced(const std::vector<Field>& fields, const Participant& partic
     if (field.value.cols() != n || field.value.rows() == 0)
       refuse(fmt::format("its {} at the start is {}×{} and does not fit its mesh of {} points",
                          field.quantity, field.value.rows(), field.value.cols(), n));
-    const bool vector =
-        field.quantity == "displacement" || field.quantity == "velocity" || field.quantity == "force";
+    const auto unit = units_of_vectors.find(field.quantity);
+    const bool vector = unit != units_of_vectors.end();
+    if (vector && !field.unit.empty() && field.unit != unit->second)
+      refuse(fmt::format("it announces {} in \"{}\", expected \"{}\"", field.quantity, field.unit,
+                         unit->second));
     if (vector && field.value.rows() != 3)
       refuse(
           fmt::format("its {} has {} components, not 3 (z = 0 in 2-D)", field.quantity, field.value.rows()));
@@ -135,6 +144,23 @@ StructureSample received_fields(std::vector<Field>&& answer, const StructureSamp
   }
   taken.others = received_fields(std::move(answer), announced.others, mesh, place);
   return taken;
+}
+
+void correct_start(const StructureSample& start, const StructureSample& first, StructureSample& second) {
+  const double dt1 = first.time - start.time, dt2 = second.time - first.time;
+  if (!start.motion || !first.motion || !second.motion || !(dt1 > 0) || !(dt2 > 0)) return;
+  const Values &x0 = start.motion->displacement, &x1 = first.motion->displacement,
+               &x2 = second.motion->displacement;
+  MatrixXd velocity = second.motion->velocity;
+  bool changed = false;
+  for (Index i = 0; i < velocity.cols(); ++i) {
+    const Eigen::Vector3d d1 = (x1.col(i) - x0.col(i)) / dt1, d2 = (x2.col(i) - x1.col(i)) / dt2,
+                          v2 = d2 + (d2 - d1) * (dt2 / (dt1 + dt2));
+    if (!(d1.norm() > 2 * (d2 - d1).norm()) || !((v2 - velocity.col(i)).norm() > 0.5 * d1.norm())) continue;
+    velocity.col(i) = v2;
+    changed = true;
+  }
+  if (changed) second.motion->velocity = std::move(velocity);
 }
 
 FieldTransfer::FieldTransfer(Mapping to_fluid, std::optional<Mapping> to_structure)

@@ -95,4 +95,13 @@ class FieldTransfer {
   std::optional<Mapping> to_loaded_;
 };
 
+/// Corrects the velocity [m/s] at the end of the second window of points that moved before the run and did
+/// not say so. Taken for points at rest, they have twice their velocity after the first window and none after
+/// the second, and (C1) of coupler/THEORY.md would go on so. With d₁ and d₂, the mean velocities of the two
+/// windows, the parabola through the three places ends with
+///   v₂ = d₂ + (d₂ − d₁) dt₂/(dt₁ + dt₂).
+/// A point moved before where its speed changes little, |d₁| > 2|d₂ − d₁|; from rest it trebles, d₂ = 3 d₁.
+/// Velocities within |d₁|/2 of the parabola's are kept.
+void correct_start(const StructureSample& start, const StructureSample& first, StructureSample& second);
+
 }  // namespace strake

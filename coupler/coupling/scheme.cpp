@@ -330,6 +330,8 @@ void Scheme::commit(bool write_output) {
   state_.velocity_scale = pending_.velocity_scale;
   state_.sends_velocity = pending_.sends_velocity;
   const Predictor kind = parameters_.volume ? Predictor::constant : parameters_.predictor;
+  if (state_.windows == 2 && !state_.sends_velocity)
+    correct_start(of_structure_, state_.structure.back(), pending_.structure);
   remember(state_.structure, std::move(pending_.structure), kind);
   if (needs_last_load()) {
     if (!parameters_.parallel)

@@ -261,7 +261,7 @@ void Participants::State::answered(Member& m, wire::Reply reply) {
     const bool of_rank = where.starts_with("rank ");  // of several that are this participant
     if (code == ExitCode::solver_fault || of_rank || where.empty())
       where = with_place(where, m.name, m.place());
-    throw Error(code, where, fault->problem, fault->fix);
+    throw Error(code, where, fault->problem, bug_of_others ? m.see_log() : fault->fix);
   }
   // After two new connections in a short time the second brings the Hello of both.
   if (m.may_repeat > 0 && std::holds_alternative<wire::Hello>(reply.what)) return;

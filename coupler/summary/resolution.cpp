@@ -232,12 +232,17 @@ std::optional<std::string> jet_line(const Wetted& wetted, double spacing) {
 }
 
 /// Says that water closes a hollow of the body: between two hulls, or between two edges. In the plane its air
-/// cannot leave, and only fluid.air.layer computes air.
-std::optional<std::string> hollow_line(const CaseView& view, const InterfaceMesh& body,
-                                       const Wetted& wetted) {
-  if (!(wetted.half > 0) || at_or(view.value, "fluid.air.layer") == "true") return std::nullopt;
-  const auto hollow = hollow_below(body, body.position.row(1).minCoeff() + wetted.rise);
-  if (!hollow) return std::nullopt;
+/// cannot leave, and only fluid.air.layer computes air. A body that stands in the water at the start,
+/// and comes down, has the water at the level and its way; what lies under the level then holds water.
+std::optional<std::string> hollow_line(const CaseView& view, const MovingBody& moving, double level,
+                                       const std::optional<Wetted>& wetted) {
+  if (at_or(view.value, "fluid.air.layer") == "true" || moving.mesh.position.cols() == 0) return std::nullopt;
+  const double lowest = moving.mesh.position.row(1).minCoeff();
+  const bool stands = !wetted && lowest < level && moving.velocity.cols() == moving.mesh.position.cols();
+  const double way = stands ? -moving.velocity.row(1).minCoeff() * view.common.end_time : 0;
+  if (wetted ? !(wetted->half > 0) : !(way > 0)) return std::nullopt;
+  const auto hollow = hollow_below(moving.mesh, wetted ? lowest + wetted->rise : level + way);
+  if (!hollow || (stands && hollow->roof <= level)) return std::nullopt;
   return fmt::format(
       "water closes a hollow {:.3g} m wide and {:.2g} m high: its air is not computed, and the blow on its "
       "roof "
@@ -319,11 +324,15 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
   const auto level = water_level(view);
   for (const MovingBody& body : bodies) {
     const auto wetted = level ? wetted_at_end(view, body, *level) : std::nullopt;
-    if (!wetted) continue;
     const std::string begin = body.name.empty() ? "" : body.name + ": ";
+    const auto hollow = level ? hollow_line(view, body, *level, wetted) : std::nullopt;
+    if (!wetted) {
+      if (hollow) lines.push_back(begin + *hollow);
+      continue;
+    }
     lines.push_back(begin + width_line(*wetted, *spacing));
     if (const auto jet = jet_line(*wetted, *spacing)) lines.push_back(begin + *jet);
-    if (const auto hollow = hollow_line(view, body.mesh, *wetted)) lines.push_back(begin + *hollow);
+    if (hollow) lines.push_back(begin + *hollow);
     if (const auto walls = blockage_line(view, body.mesh, wetted->half, *level, !wetted->left))
       lines.push_back(begin + *walls);
   }

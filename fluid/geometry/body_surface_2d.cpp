@@ -50,7 +50,7 @@ BodySurface2d::BodySurface2d(const InterfaceMesh& partner, double spacing, const
     }
     if (!(area > 0))
       throw Error(ExitCode::case_file, fmt::format("interface \"{}\"", partner.name),
-                  fmt::format("the outline that starts at point {} encloses {} m^2", loop.front(), area),
+                  fmt::format("the outline that starts at point {} encloses {:.6g} m^2", loop.front(), area),
                   "walk it counter-clockwise, so that its normals point into the fluid");
     add_edges(Outline(partner, loop, spacing, knuckles));
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <string_view>
 
 namespace strake {
 namespace {
@@ -114,9 +115,12 @@ std::string CaseFile::Document::as_body(const std::string& toml_text) const {
   std::istringstream lines(toml_text);
   std::string text;
   for (std::string line; std::getline(lines, line);) {
-    if (line == "[structure]")
+    const std::size_t begin =
+        std::min(line.find_first_not_of(' '), line.size());  // tables below are indented
+    const std::string_view head = std::string_view(line).substr(begin);
+    if (head == "[structure]")
       line = "[[structures]]\nname = \"" + body + "\"  # given";
-    else if (line.starts_with("[structure.") || line.starts_with("[[structure."))
+    else if (head.starts_with("[structure.") || head.starts_with("[[structure."))
       line.insert(line.find("structure") + 9, "s");
     text += line + "\n";
   }

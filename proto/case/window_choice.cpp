@@ -329,11 +329,11 @@ WindowChoice choose_window(const CaseFile& file, const CommonKeys& keys) {
                    (is_foreign(keys) && !choice.level);
   choice.known = own && keys.preset != "paper" && keys.fluid_solver == "mps";
   if (!choice.known) {
-    choice.why =
-        is_foreign(keys)
-            ? "the usual one where only a program knows the body: fluid.submerged = true says that it stands "
-              "in the water, coupling.surface.window sets the window"
-            : "the usual one where Strake does not know the flow: coupling.surface.window sets it";
+    choice.why = is_foreign(keys)
+                     ? "that of a level impact, as only its program knows the body; coupling.surface.window "
+                       "sets it, and "
+                       "with fluid.submerged = true (the body stands in the water) it is longer"
+                     : "the usual one where Strake does not know the flow: coupling.surface.window sets it";
     return choice;
   }
   if (choice.level) {

@@ -121,5 +121,12 @@ TEST(FluidParticipant, a_body_that_has_blown_up_is_named_with_its_speed) {
   EXPECT_NE(text.find("look at the structure first"), std::string::npos) << text;
 }
 
+TEST(FluidParticipant, an_outline_that_is_walked_clockwise_is_refused) {
+  const Case c;
+  strake::Setup turned = entering();
+  turned.partner_mesh.faces = turned.partner_mesh.faces.colwise().reverse().eval();
+  expect_refused([&] { FluidParticipant<2>(c.parameters, c.common, turned); }, "encloses -0.002 m^2");
+}
+
 }  // namespace
 }  // namespace strake::fluid

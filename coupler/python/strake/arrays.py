@@ -93,7 +93,7 @@ class Mesh:
         except TypeError:
             raise Error("the points of the interface are not given", "set self.points in build(): a row for each point") from None
         self.name, self.dimension, self.n = name, dimension, n
-        self.points = spread(points, n, 3, "the points of the interface") if n else np.zeros((0, 3))
+        self.points = spread(points, n, 3, "self.points") if n else np.zeros((0, 3))
         self.faces = self.checked(faces)
         self.mass = None if mass is None else spread(mass, n, 1, "the mass of the points")
 

@@ -73,6 +73,21 @@ TEST(Assembly, IsOneMeshAndOneMotion) {
   EXPECT_EQ(find(initial, "velocity")->value(1, 4), 1);
 }
 
+TEST(Assembly, FindsTheVelocityOfABodyThatMovesFromTheStartBesideOneThatSendsIts) {
+  Square left(0, true), right(3, false);  // at rest, as it seems
+  Assembly both{{{"left", &left}, {"right", &right}}, {"mid"}, 0.5};
+  const VectorXd push = VectorXd::Constant(8, -0.01);
+  constexpr double dt = 0.1;
+  Advanced answer;
+  for (int k = 0; k < 5; ++k) {
+    answer = both.advance({k * dt, dt}, load(push, (k + 1) * dt));
+    both.commit(false);
+  }
+  const auto& velocity = find(answer.output, "velocity")->value;
+  EXPECT_DOUBLE_EQ(velocity(1, 0), 7) << "its own";
+  EXPECT_NEAR(velocity(1, 4), -0.4, 1e-12) << "-0.04 m in each window";
+}
+
 TEST(Assembly, IsPrescribedWhereEachOfItsBodiesIs) {
   Square one{0, true, 2}, other{3, true, 1};
   EXPECT_TRUE(Assembly({{"one", &one}, {"other", &other}}, {}, 0.5).description().prescribed);

@@ -210,6 +210,9 @@ TEST(Exchange, RefusesAnnouncementsThatItCannotMap) {
   tube.wall.announced() = {{"displacement", "m", false, MatrixXd::Zero(1, 5)}};
   EXPECT_EQ(problem_of([&] { tube.scheme({}); }),
             "structure: its displacement has 1 components, not 3 (z = 0 in 2-D)");
+  tube.wall.announced() = {{"displacement", "mm", false, MatrixXd::Zero(3, 5)}};
+  EXPECT_EQ(problem_of([&] { tube.scheme({}); }),
+            "structure: it announces displacement in \"mm\", expected \"m\"");
   tube.wall.announced() = {{"area", "m^2", false, MatrixXd::Zero(1, 5)},
                            {"area", "m^2", false, MatrixXd::Zero(1, 5)}};
   EXPECT_EQ(problem_of([&] { tube.scheme({}); }), "structure: it announces area twice");

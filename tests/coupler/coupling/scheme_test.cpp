@@ -85,6 +85,28 @@ TEST(Scheme, TakesOneIterationPerWindowForRigidMotion) {
   }
 }
 
+TEST(Scheme, FindsTheVelocityOfABodyThatMovesFromTheStartAndDoesNotSaySo) {
+  for (const double speed : {-6.26, 0.0}) {
+    Rigid rigid(0);
+    constexpr double g = -9.81;
+    rigid.structure.answer = [speed](const Window& w, const Input&) {
+      const double t = w.t + w.dt;
+      Advanced a;
+      a.output = {models::y_field("displacement", "m", VectorXd::Constant(3, speed * t + g * t * t / 2))};
+      return a;
+    };
+    Scheme scheme = rigid.scheme();
+    for (int w = 0; w < 6; ++w) {
+      scheme.advance({w * dt, dt});
+      scheme.commit(false);
+      if (w > 1)
+        EXPECT_NEAR(find(rigid.fluid.told.back().fields, "velocity")->value(1, 0), speed + g * (w + 1) * dt,
+                    1e-9)
+            << "window " << w + 1;
+    }
+  }
+}
+
 /// A body that a table drives, with u = t³, which no parabola follows.
 struct Driven : Rigid {
   Driven() : Rigid(0) {

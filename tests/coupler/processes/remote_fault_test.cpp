@@ -149,10 +149,12 @@ TEST_F(Remote, AFaultKeepsItsCodePlaceAndFix) {
 
 TEST_F(Remote, AFaultOfAForeignProgramIsNoBugOfOurs) {
   const Error e = error_of([](Script& s) {
-    s.say(wire::Fault{"somewhere", "this is a bug in Strake", "", ExitCode::our_bug});
+    s.say(wire::Fault{"somewhere", "this is a bug in Strake", "please report it", ExitCode::our_bug});
   });
   EXPECT_EQ(e.code(), ExitCode::solver_fault);
   EXPECT_NE(e.where().find("fluid"), std::string::npos) << e.where();
+  EXPECT_EQ(e.fix().find("report"), std::string::npos) << "nobody here can mend it";
+  EXPECT_NE(e.fix().find("see what it printed"), std::string::npos) << e.fix();
 }
 
 TEST_F(Remote, SilenceBeyondTheLimitIsNamed) {

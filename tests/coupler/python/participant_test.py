@@ -154,6 +154,7 @@ class Participant(unittest.TestCase):
     def test_refuses_a_mesh_that_is_none(self):
         for build, words in (("self.faces = [(0, 3)]", "a face names point 3, the points are 0 to 2"),
                              ("self.faces = [(0, 1, 2)]", r"faces have the shape \(1, 3\) of int64, expected 1 faces of 2 points"),
+                             ("self.points = [(0, 0, 0, 0)] * 3", r"^self\.points has the shape \(3, 4\), expected \(3, 3\)"),
                              ("self.points = None", r"set self.points in build\(\)"),
                              ("self.sends = 'warmth'", '"warmth" is no quantity that Strake knows')):
             with self.assertRaisesRegex(strake.Error, words):

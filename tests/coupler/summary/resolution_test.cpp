@@ -125,6 +125,13 @@ TEST(Resolution, TheWidthOfACatamaranIsThatOfAHull) {
   EXPECT_FALSE(says(resolution_lines(view, catamaran, velocity), words));
   EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.02), catamaran, velocity), words))
       << "the deck is dry";
+  catamaran.position.row(1).array() -= 0.17;  // its hulls stand in the water, the deck 30 mm above it
+  EXPECT_TRUE(says(resolution_lines(case_with(0.01, 0.006), catamaran, velocity), words));
+  EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.004), catamaran, velocity), words)) << "it stays dry";
+  EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.006), catamaran, -velocity), words)) << "it rises";
+  catamaran.position.row(1).array() -= 0.05;
+  EXPECT_FALSE(says(resolution_lines(case_with(0.01, 0.006), catamaran, velocity), words))
+      << "water fills it at the start";
 }
 
 // Its inner faces are dry. A level surface crosses its outline four times, as that of two hulls.

@@ -197,5 +197,22 @@ command = ["./bin/flap", "flap.inp"]
     EXPECT_NE(given.find(line), std::string::npos) << line << "\n" << given;
 }
 
+TEST(CaseEcho, TheTableOfAProgramStaysWithItsBody) {
+  const std::string body = "solver = \"./spring.py\"\n[structures.spring]\nmass = ",
+                    below = "[structures.spring.law]\nk = 2\n";
+  const CaseFile file = CaseFile::parse("[[structures]]\nname = \"left\"\n" + body + "1\n" + below +
+                                            "[[structures]]\nname = \"right\"\n" + body + "3\n",
+                                        "case.toml", {});
+  std::string whole;
+  for (const std::string& name : file.bodies())
+    whole += file.of_body(name).as_given("structure", "/opt/spring.py");
+  EXPECT_EQ(whole.find("[structure."), std::string::npos) << whole;
+  EXPECT_NE(whole.find("[structures.spring.law]"), std::string::npos) << whole;
+  const CaseFile again = CaseFile::parse(whole, "case.toml", {});
+  EXPECT_EQ(again.bodies(), (std::vector<std::string>{"left", "right"}));
+  EXPECT_NE(again.of_body("right").as_given("structure", "/opt/spring.py").find("mass = 3"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace strake

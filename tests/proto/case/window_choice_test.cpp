@@ -67,6 +67,7 @@ TEST(WindowChoice, AReplayTakesTheWindowOfItsRecordAndAProgramInTheWaterThatOfTh
   EXPECT_FALSE(read_with(own).chosen.level);
   EXPECT_EQ(window_with(own), 2.5e-5) << "as steel of finite elements";
   EXPECT_NE(read_with({"structure.solver=./own"}).chosen.why.find("fluid.submerged"), std::string::npos);
+  EXPECT_NE(read_with({"structure.solver=./own"}).chosen.why.find("level impact"), std::string::npos);
 }
 
 TEST(WindowChoice, OfSeveralBodiesAnyThatStartsAtRestAndMovesLaterIsKnown) {
