@@ -257,9 +257,19 @@ static bool reaches_water(const Parameters& p, const Boundary<dim>& boundary, in
   return boundary.body_surface().point(point)[1] - p.spacing * steepness <= p.water.max[1];
 }
 
+/// Sets the pressure of still water, p = ρ g (level − y).
+template <int dim>
+static void press_by_depth(const Parameters& p, const Boundary<dim>& boundary, State<dim>& state) {
+  const double slope = -p.density * p.gravity[1];
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    state.pressure[i] = slope * std::max(0.0, p.water.max[1] - state.position(1, i));
+}
+
 template <int dim>
 void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim>& state) {
   state.surface.assign(state.kind.size(), 1);
+  if (p.starts_level() || (water_is_packed(p, boundary) && !(p.gravity_ramp > 0)))
+    press_by_depth(p, boundary, state);
   // `WallContact` keeps faces wet that have water within a spacing, and dries the others. Packed water stands
   // a little farther from a wall than a lattice. A face that was dry under water would be met later, in a
   // blow.
@@ -272,10 +282,6 @@ void begin_at_rest(const Parameters& p, const Boundary<dim>& boundary, State<dim
     if (i >= bodies && !reaches_water(p, boundary, boundary.point_of(i))) continue;
     state.surface[static_cast<std::size_t>(i)] = 0;
   }
-  if (!packed || p.gravity_ramp > 0) return;
-  const double slope = -p.density * p.gravity[1];
-  for (std::int64_t i = 0; i < boundary.water(); ++i)
-    state.pressure[i] = slope * std::max(0.0, p.water.max[1] - state.position(1, i));
 }
 
 template void pack_around<2>(const Parameters&, Boundary<2>&, State<2>&);

@@ -28,8 +28,8 @@ template <int dim>
 void pack_around(const Parameters&, Boundary<dim>&, State<dim>&);
 
 /// Makes all particles surface and all faces dry, as at the start of a run. Faces that packed water stands
-/// on count as wet before: those of a body, and the walls of a tank off the lattice. About a body the
-/// pressure is ρg times the depth.
+/// on count as wet before: those of a body, and the walls of a tank off the lattice. About a body, and in a
+/// tank whose water starts level, the pressure is ρg times the depth.
 template <int dim>
 void begin_at_rest(const Parameters&, const Boundary<dim>&, State<dim>&);
 

@@ -65,7 +65,7 @@ double LeastSquaresScheme<dim>::counted_deviation(const Boundary<dim>& boundary,
   // This pressure is of the same time as the volumes.
   const auto& p = velocity_.age > 0 ? equation_.pressure_at_start : state.pressure;
   const Vector<dim> x = state.position.col(i);
-  const double at_start = p_.submerged ? still_pressure(boundary, x) : 0.0;  // p_0
+  const double at_start = p_.submerged || p_.starts_level() ? still_pressure(boundary, x) : 0.0;  // p_0
   return packed - compressible(boundary, x) * (p[i] - at_start) / (p_.density * c * c);
 }
 

@@ -115,6 +115,19 @@ struct Parameters {
   int threads = 2;
   int ranks = 1;  // processes that compute the water together
   std::string launcher = "mpirun -n {ranks}";
+
+  /// Whether the water starts at rest under a level surface, on the floor and from side to side of the tank.
+  /// Its pressure is ρg times the depth then. With a ramp gravity starts at nothing.
+  bool starts_level() const {
+    const auto reaches = [&](int axis) {
+      const double slack = 1e-6 * spacing;
+      return water.min[axis] < tank.min[axis] + slack &&
+             (axis == 1 || water.max[axis] > tank.max[axis] - slack);
+    };
+    const bool is_box = water_shapes.empty() || (water_shapes.size() == 1 && water_shapes[0].size() == 2);
+    return is_box && initial_velocity.is_zero() && gravity_ramp == 0 && gravity.x() == 0 && gravity.y() < 0 &&
+           gravity.z() == 0 && reaches(0) && reaches(1) && (dimension == 2 || reaches(2));
+  }
 };
 
 }  // namespace strake::fluid
