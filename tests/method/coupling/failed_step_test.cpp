@@ -45,7 +45,7 @@ class Blow : public models::Model<double> {
 };
 
 constexpr double end = 0.012, blow_until = 1e-3;  // [s]
-constexpr double hard = 6e4;                      // [Pa] an impact that needs shorter windows than 4 ms
+constexpr double hard = 7.5e4;                    // [Pa] an impact that needs shorter windows than 4 ms
 
 Parameters rubber_strip() {
   Parameters p;
