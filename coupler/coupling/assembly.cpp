@@ -11,6 +11,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+constexpr const char* saved_velocity = "bodies.velocity";  // [m/s] in coupler.h5
+
 /// The columns of one body out of a field of all.
 Field cut(const Field& all, Index first, Index count) {
   return {all.quantity, all.unit, all.conservative, MatrixXd(all.value.middleCols(first, count))};
@@ -267,10 +269,19 @@ void Assembly::resume(const std::filesystem::path& folder) {
   for (const Body& body : bodies_) body.solver->resume(folder);
 }
 
-void Assembly::set_committed(Motion motion) {
-  committed_ = std::move(motion);
+void Assembly::save(Archive& archive) const {
+  archive.real[saved_velocity] = committed_.velocity;
+}
+
+void Assembly::load(const Archive& archive, const StructureSample& now, long windows) {
+  // After one window: the start is what the bodies announced, at t = 0. So no checkpoint has to hold it.
+  if (windows == 1) begin_ = {StructureSample{0, committed_, {}}, now};
+  begins_ = windows == 0;
+  committed_ = *now.motion;
+  const auto saved = archive.real.find(saved_velocity);
+  if (saved != archive.real.end() && saved->second.cols() == mesh_.position.cols())
+    committed_.velocity = saved->second;
   last_ = committed_;
-  begins_ = false;
 }
 
 }  // namespace strake

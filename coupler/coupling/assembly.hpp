@@ -37,8 +37,12 @@ class Assembly final : public Participant {
   void commit(bool write_output) override;
   void checkpoint(const std::filesystem::path& folder) override;
   void resume(const std::filesystem::path& folder) override;
-  /// After a resume: the motion at the last commit, 3×n, as the scheme keeps it.
-  void set_committed(Motion);
+  /// The velocity at the last commit. The scheme keeps the motion as it was sent, so without a correction of
+  /// the start.
+  void save(Archive&) const;
+  /// After a resume: the structure at the last commit, as the scheme keeps it, the windows until then, and
+  /// what `save` wrote; older checkpoints do not have it.
+  void load(const Archive&, const StructureSample&, long windows);
 
  private:
   Eigen::Index points_of(std::size_t body) const;

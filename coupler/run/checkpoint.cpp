@@ -48,6 +48,23 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
   return found;
 }
 
+void save_coupling(Session& session, Archive& archive) {
+  if (const Scheme* scheme = session.scheme()) scheme->state().save(archive);
+  if (const Assembly* bodies = session.assembly()) bodies->save(archive);
+}
+
+/// After all participants have resumed.
+void load_coupling(Session& session, const Archive& archive) {
+  Scheme* scheme = session.scheme();
+  if (scheme == nullptr) return;
+  CouplingState state;
+  state.load(archive);
+  Assembly* bodies = session.assembly();
+  if (bodies != nullptr && !state.structure.empty() && state.structure.back().motion)
+    bodies->load(archive, state.structure.back(), state.windows);
+  scheme->set_state(std::move(state));
+}
+
 // Keys that may differ between a run and its continuation.
 bool may_change(const std::string& key) {
   for (const char* prefix :
@@ -75,7 +92,7 @@ void Checkpoints::write(Session& session, const WindowLoop& loop, const Summary&
   for (RemoteParticipant* participant : session.remotes()) participant->checkpoint(target);
   session.attachments().checkpoint(target);
   Archive archive;
-  if (session.scheme() != nullptr) session.scheme()->state().save(archive);
+  save_coupling(session, archive);
   loop.state().save(archive);
   summary.save(archive);
   write_archive(target / "coupler.h5", archive);
@@ -172,11 +189,7 @@ RunPlan Checkpoints::resume(const fs::path& source, Session& session, Summary& s
     participant->count_windows_from(static_cast<std::uint64_t>(plan.start.windows));
   }
   session.attachments().resume(source, static_cast<std::uint64_t>(plan.start.windows));
-  if (session.scheme() != nullptr) {
-    CouplingState state;
-    state.load(archive);
-    session.set_state(std::move(state));
-  }
+  load_coupling(session, archive);
   forget(source);
   return plan;
 }

@@ -216,12 +216,6 @@ std::vector<RemoteParticipant*> Session::remotes() const {
   return asked;
 }
 
-void Session::set_state(CouplingState state) {
-  if (assembly_ && !state.structure.empty() && state.structure.back().motion)
-    assembly_->set_committed(*state.structure.back().motion);
-  scheme_->set_state(std::move(state));
-}
-
 /// Faces of a structure that sends its points alone, from its key `surface`.
 void Session::take_surface(const SideView& side, RemoteParticipant& structure) const {
   const std::filesystem::path& file = case_.common.program_of(side.side).surface;

@@ -42,16 +42,15 @@ class Session {
 
   /// The time loop over these participants.
   WindowLoop loop(const RunPlan&);
-  RunPlan plan() const;                       // of the whole case
-  Scheme* scheme() { return scheme_.get(); }  // nullptr with one participant
+  RunPlan plan() const;                             // of the whole case
+  Scheme* scheme() { return scheme_.get(); }        // nullptr with one participant
+  Assembly* assembly() { return assembly_.get(); }  // nullptr with one body
   /// True if displacement and force cross the interface.
   bool is_mechanical() const { return scheme_ && scheme_->is_mechanical(); }
   RemoteParticipant* fluid() { return fluid_; }
   Participant* structure() { return structure_; }   // of several bodies all in one
   std::vector<RemoteParticipant*> remotes() const;  // without attachments
   const SessionAttachments& attachments() const { return *attachments_; }
-  /// After all participants have resumed.
-  void set_state(CouplingState);
   Participants& participants() { return *participants_; }
 
   /// What the participants report per window; of two columns with one name the second carries its side's

@@ -88,6 +88,38 @@ TEST(Assembly, FindsTheVelocityOfABodyThatMovesFromTheStartBesideOneThatSendsIts
   EXPECT_NEAR(velocity(1, 4), -0.4, 1e-12) << "-0.04 m in each window";
 }
 
+TEST(Assembly, FindsThatVelocityAfterAResumeToo) {
+  const VectorXd push = VectorXd::Constant(8, -0.01);
+  constexpr double dt = 0.1;
+  for (const int resumed_at : {0, 1, 2, 3}) {
+    Square left(0, true), right(3, false);
+    std::optional<Assembly> both(std::in_place, std::vector<Body>{{"left", &left}, {"right", &right}},
+                                 std::set<std::string>{}, 0.5);
+    StructureSample now{0, fields_of_structure(*both).motion, {}};
+    Archive checkpoint;
+    both->save(checkpoint);
+    Advanced answer;
+    for (int k = 0; k < 5; ++k) {
+      if (k == resumed_at) {
+        both.emplace(std::vector<Body>{{"left", &left}, {"right", &right}}, std::set<std::string>{}, 0.5);
+        both->load(checkpoint, now, k);
+      }
+      answer = both->advance({k * dt, dt}, load(push, (k + 1) * dt));
+      both->commit(false);
+      both->save(checkpoint);
+      now = StructureSample::of({(k + 1) * dt, answer.output});
+    }
+    EXPECT_NEAR(find(answer.output, "velocity")->value(1, 4), -0.4, 1e-12) << "resumed at " << resumed_at;
+  }
+}
+
+TEST(Assembly, ResumesFromACheckpointWithoutItsVelocity) {
+  Two two;
+  two.both.load({}, {0.1, Motion{Points::Zero(3, 8), Points::Constant(3, 8, 3)}, {}}, 2);
+  const Advanced next = two.both.advance(Window{0.1, 0.1}, load(VectorXd::Zero(8), 0.2));
+  EXPECT_DOUBLE_EQ(find(next.output, "velocity")->value(1, 4), -3) << "v = 2 (u - u_0)/dt - v_0";
+}
+
 TEST(Assembly, IsPrescribedWhereEachOfItsBodiesIs) {
   Square one{0, true, 2}, other{3, true, 1};
   EXPECT_TRUE(Assembly({{"one", &one}, {"other", &other}}, {}, 0.5).description().prescribed);
