@@ -137,10 +137,6 @@ std::string value_of(const MetricRow& row, std::size_t record) {
   return row.name == "frequency" && !row.value[record] ? "none" : number(row.value[record]);
 }
 
-std::string percent(double part) {
-  return fmt::format("{:+.3g} %", 100 * part);
-}
-
 void print_table(const std::string& quantity, const std::vector<Record>& records, const Comparison& c) {
   fmt::print("{} [{}]   {:.6g} to {:.6g} s, times of peaks from {}\n", visible(quantity),
              visible(records.front().unit), c.from, c.to,
@@ -159,11 +155,12 @@ void print_table(const std::string& quantity, const std::vector<Record>& records
         fmt::print("  {:>12}", difference ? "" : value_of(row, r));
         continue;
       }
-      const std::string off = row.deviation[r] && !difference ? percent(*row.deviation[r]) : "";
+      const std::string off = !difference ? deviation_text(row, r) : row.beside ? "*" : "";
       fmt::print("  {:>12} {:>12}", value_of(row, r), off);
     }
     fmt::print("\n");
   }
+  for (const std::string& note : deviation_notes(quantity, c)) fmt::print("  {}\n", visible(note));
 }
 
 /// All records at the times of all, linear between: a column for each.
@@ -211,9 +208,10 @@ bool judge(const std::vector<Limit>& limits, const std::string& quantity, const 
         const auto& off = row.deviation[r];
         const bool pass = off && std::abs(*off) <= limit.part;
         all = all && pass;
+        std::string text = off ? deviation_text(row, r) : "cannot be told";
+        if (row.beside) text += " of " + visible(row.beside->quantity);
         fmt::print("{}  {} {} of ({}) {}: {} (within {:.3g} %)\n", mark(pass, style), visible(quantity),
-                   row.name, r + 1, visible(records[r].name), off ? percent(*off) : "cannot be told",
-                   100 * limit.part);
+                   row.name, r + 1, visible(records[r].name), text, 100 * limit.part);
       }
   return all;
 }
@@ -272,16 +270,18 @@ ExitCode compare_several(const CompareOptions& options) {
   const std::vector<std::string> quantities = choose_telling(sources, options, still);
   std::vector<std::vector<Record>> all;
   std::vector<Comparison> made;
+  std::vector<std::string> shifts;
   bool within = true;
   for (const std::string& quantity : quantities) {
-    std::string shifts;
-    std::vector<Record> records = shifted_records(sources, quantity, options, shifts);
-    made.push_back(compare_records(records, quantity, span_of(options, records.front())));
+    all.push_back(shifted_records(sources, quantity, options, shifts.emplace_back()));
+    made.push_back(compare_records(all.back(), quantity, span_of(options, all.back().front())));
+  }
+  if (options.probes.empty()) find_small_components(quantities, made);  // what is asked for is held to itself
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
     fmt::print("\n");
-    print_table(quantity, records, made.back());
-    if (!shifts.empty()) fmt::print("  shifted in time:{}\n", shifts);
-    within = judge(limits, quantity, records, made.back(), style) && within;
-    all.push_back(std::move(records));
+    print_table(quantities[q], all[q], made[q]);
+    if (!shifts[q].empty()) fmt::print("  shifted in time:{}\n", shifts[q]);
+    within = judge(limits, quantities[q], all[q], made[q], style) && within;
   }
   std::size_t points = 0;
   for (const Comparison& c : made) points = std::max(points, c.points);

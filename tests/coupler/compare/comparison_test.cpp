@@ -53,6 +53,28 @@ TEST(Comparison, TellsTheMetricsOfTwoSines) {
   EXPECT_FALSE(row_of(c, "l2").value[0]);
 }
 
+TEST(Comparison, GivesNoPercentageOfValuesAboutZero) {
+  const auto load = [](double size) { return record_of(1, 10, [=](double) { return size; }); };
+  std::vector<Comparison> made = {compare_records({load(1e-7), load(-2)}, "force.x", {}),
+                                  compare_records({load(1000), load(1100)}, "force.y", {}),
+                                  compare_records({load(30), load(33)}, "force.z", {}),
+                                  compare_records({load(1e-7), load(2)}, "moment.z", {})};
+  find_small_components({"force.x", "force.y", "force.z", "moment.z"}, made);
+  EXPECT_EQ(deviation_text(row_of(made[0], "mean"), 1), "-0.2 % *");
+  EXPECT_EQ(deviation_text(row_of(made[1], "mean"), 1), "+10 %");
+  EXPECT_EQ(deviation_text(row_of(made[2], "mean"), 1), "+10 %");
+  EXPECT_EQ(deviation_text(row_of(made[3], "rms"), 1), "(1) small") << "no component beside it";
+  EXPECT_EQ(deviation_text(row_of(made[0], "time_of_peak"), 1), "");
+  EXPECT_NEAR(*row_of(made[0], "mean").deviation[1], -0.002, 1e-9) << "held to that by --within too";
+  EXPECT_NEAR(*row_of(made[0], "l2").value[1], 0.002, 1e-9);
+  EXPECT_NEAR(*row_of(made[1], "l2").value[1], 0.1, 1e-9);
+  ASSERT_EQ(deviation_notes("force.x", made[0]).size(), 1U);
+  EXPECT_NE(deviation_notes("force.x", made[0]).front().find("force.x is below 1 % of force.y in (1)"),
+            std::string::npos);
+  EXPECT_TRUE(deviation_notes("force.y", made[1]).empty());
+  EXPECT_EQ(deviation_notes("moment.z", made[3]).size(), 1U);
+}
+
 TEST(Comparison, NoiseHasNoFrequency) {
   unsigned state = 1;
   const auto noise = [&](double) {
