@@ -1,5 +1,6 @@
 #include "coupler/participant/launch.hpp"
 
+#include "coupler/participant/long_log.hpp"
 #include "coupler/participant/stop_request.hpp"
 #include "proto/descriptor.hpp"
 #include "proto/error.hpp"
@@ -26,10 +27,6 @@
 #include <thread>
 #include <unistd.h>
 #include <utility>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 extern char** environ;
 
@@ -261,7 +258,7 @@ std::string to_text(const Exit& exit) {
   return fmt::format("exited with code {}", exit.code);
 }
 
-Child::Child(const Launch& launch) {
+Child::Child(const Launch& launch) : log_(launch.log) {
   prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);  // what our children leave behind comes to us
   std::map<std::string, std::string> environment = solver_environment(launch.threads);
   for (const auto& [name, value] : launch.environment) environment[name] = value;
@@ -279,16 +276,22 @@ Child::~Child() {
 }
 
 Child::Child(Child&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), exit_(std::exchange(other.exit_, std::nullopt)) {}
+    : pid_(std::exchange(other.pid_, -1)),
+      exit_(std::exchange(other.exit_, std::nullopt)),
+      log_(std::move(other.log_)) {}
 
 Child& Child::operator=(Child&& other) noexcept {
   std::swap(pid_, other.pid_);
   std::swap(exit_, other.exit_);
+  std::swap(log_, other.log_);
   return *this;
 }
 
 std::optional<Exit> Child::exit() {
-  if (!exit_ && (exit_ = reap(pid_))) owned().erase(pid_);
+  if (!exit_ && (exit_ = reap(pid_))) {
+    owned().erase(pid_);
+    take_out_middle(log_);
+  }
   return exit_;
 }
 
@@ -385,16 +388,6 @@ Captured capture(const std::filesystem::path& program, const std::vector<std::st
   owned().erase(pid);
   result.exit_code = exit->signal != 0 ? 128 + exit->signal : exit->code;
   return result;
-}
-
-void tune_malloc() {
-#ifdef __GLIBC__
-  if (std::getenv("MALLOC_TRIM_THRESHOLD_") || std::getenv("GLIBC_TUNABLES")) return;
-  // What glibc comes to by itself once a block of the larger size has been freed.
-  constexpr int largest_kept = 32 << 20, kept = 64 << 20;  // [bytes]
-  mallopt(M_MMAP_THRESHOLD, largest_kept);
-  mallopt(M_TRIM_THRESHOLD, kept);
-#endif
 }
 
 }  // namespace strake

@@ -64,7 +64,7 @@ class Child {
   Child& operator=(Child&&) noexcept;
 
   pid_t pid() const { return pid_; }
-  /// How it ended, or nothing while it runs. Never waits.
+  /// How it ended, or nothing while it runs. Never waits. A log that has become too long is shortened then.
   std::optional<Exit> exit();
   /// The same after at most `limit`.
   std::optional<Exit> wait(std::chrono::milliseconds limit);
@@ -75,6 +75,7 @@ class Child {
  private:
   pid_t pid_ = -1;
   std::optional<Exit> exit_;
+  std::filesystem::path log_;
 };
 
 /// Ends and reaps what the children left behind (orphans come to a sub-reaper). Child objects are left alone,

@@ -31,6 +31,9 @@ void Participants::State::look_after_all() {
 void Participants::State::look_after(Member& m) {
   if (m.child)
     if (const auto exit = m.child->exit()) return died(m, *exit);
+  if (m.child && m.log_length.look(m.log, Clock::now()))
+    say(fmt::format("{} prints so much that the middle of {} is left out", m.name,
+                    m.log.filename().string()));
   if (!m.connection.greeted) return check_ranks(m);
   if (socket.connected(m.connection.peer)) {
     m.connection.silent_since.reset();

@@ -1,9 +1,11 @@
 #include "coupler/processes/log_tail.hpp"
 
+#include "coupler/participant/long_log.hpp"
 #include "proto/text.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <chrono>
@@ -47,9 +49,14 @@ struct LastLines {
 };
 
 LastLines last_lines(const std::filesystem::path& log) {
-  constexpr std::size_t most = 3;
+  constexpr std::size_t most = 3, longest = 2000;  // lines, characters of one
   std::ifstream file(log);
   LastLines last;
+  // The part of a long log that is always there.
+  const auto kept = static_cast<std::streamoff>(LogBounds{}.last);
+  file.seekg(0, std::ios::end);
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kept));
   auto& [lines, of_ranks] = last;
   for (std::string line; std::getline(file, line);) {
     if (line.find(resumed) != std::string::npos) {
@@ -59,7 +66,7 @@ LastLines last_lines(const std::filesystem::path& log) {
     if (says_nothing(line)) continue;
     for (auto* list : {&lines, &of_ranks}) {
       if (list == &of_ranks && !is_of_rank(line)) continue;
-      list->push_back(line);
+      list->push_back(line.size() > longest ? "... " + line.substr(line.size() - longest) : line);
       if (list->size() > most) list->pop_front();
     }
   }

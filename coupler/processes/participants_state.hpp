@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/participant/long_log.hpp"
 #include "coupler/processes/remote.hpp"
 #include "coupler/transport/sockets.hpp"
 #include "proto/wire/wire.hpp"
@@ -70,6 +71,7 @@ struct Participants::Member {
   std::optional<Child> child;  // none: started by hand
   bool ours = false;           // a program of Strake that this run started
   std::filesystem::path log;
+  LogLength log_length;
   std::string launcher;  // Launch::launcher
   StoppedRanks stopped_ranks;
   Clock::time_point expected_since;
@@ -107,7 +109,6 @@ struct Participants::Member {
     bool write_output = false;
   };
   Progress progress;
-
   InterfaceMesh mesh;
   Description description;
   std::unique_ptr<RemoteParticipant> remote;

@@ -1,12 +1,15 @@
 #include "coupler/processes/log_tail.hpp"
 
 #include "coupler/participant/launch.hpp"
+#include "coupler/participant/long_log.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <regex>
+#include <sstream>
+#include <string>
 
 namespace strake {
 namespace {
@@ -71,6 +74,64 @@ TEST(LogTail, HoldsWhatARankHasSaidOfItsEnd) {
   note_resume(log, 7);
   EXPECT_EQ(log_tail(log), "");
   EXPECT_FALSE(has_words_of_ranks(log));
+}
+
+/// A program that prints numbered lines until it is told to end.
+constexpr const char* talker = "i=0; while [ $i -lt 40000 ]; do i=$((i+1)); echo line $i; done; echo why";
+
+TEST(LogLength, KeepsTheFirstAndTheLastPartOfALongLog) {
+  const TemporaryFolder place;
+  const auto log = place / "structure.log";
+  const LogBounds bounds{.most = 1 << 18, .first = 1 << 15, .last = 1 << 15};
+  Child child({"/bin/sh", {"-c", talker}, log, 1, {}});
+  ASSERT_TRUE(child.wait(std::chrono::seconds(60)));
+  const std::string whole = content(log);
+  ASSERT_GT(whole.size(), bounds.most);
+  take_out_middle(log, bounds);
+  const std::string text = content(log);
+  EXPECT_LT(text.size(), bounds.first + bounds.last + 100);
+  EXPECT_EQ(text.substr(0, bounds.first), whole.substr(0, bounds.first));
+  EXPECT_TRUE(text.ends_with("\nline 39999\nline 40000\nwhy\n"));
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(
+      text, found, std::regex(R"(\n\[strake: (\d+) bytes of the log are left out here\]\nline )")));
+  const std::size_t left_out = std::stoul(found[1]);
+  EXPECT_EQ(text.size() - found.length() + 5 + left_out, whole.size()) << "5: the next \"line \"";
+  EXPECT_EQ(log_tail(log), "\nstructure.log: line 39999\nstructure.log: line 40000\nstructure.log: why");
+  take_out_middle(log, bounds);
+  EXPECT_EQ(content(log), text) << "of a log that is short enough nothing is taken out";
+}
+
+TEST(LogLength, FreesTheMiddleWhileTheProgramWrites) {
+  const TemporaryFolder place;
+  const auto log = place / "structure.log";
+  const LogBounds bounds{.most = 1 << 18, .first = 1 << 15, .last = 1 << 15};
+  Child child({"/bin/sh", {"-c", talker}, log, 1, {}});
+  int freed = 0;
+  while (!child.exit()) freed += free_middle(log, bounds) ? 1 : 0;
+  freed += free_middle(log, bounds) ? 1 : 0;
+  if (freed == 0) GTEST_SKIP() << "this file system frees no part of a file";
+  EXPECT_NE(content(log).find("longer than 0 MB, its middle is left out here]\n"), std::string::npos);
+  take_out_middle(log, bounds);
+  const std::string text = content(log);
+  EXPECT_LT(text.size(), bounds.first + bounds.last + 100);
+  EXPECT_EQ(text.find('\0'), std::string::npos) << "nothing of the hole is left";
+  EXPECT_TRUE(text.starts_with("line 1\nline 2\n"));
+  // Every line of the last part is there.
+  const std::size_t last = text.find("left out here]\nline ") + 20;
+  int number = std::stoi(text.substr(last));
+  std::istringstream lines(text.substr(text.find('\n', last) + 1));
+  for (std::string line; std::getline(lines, line) && line != "why";)
+    ASSERT_EQ(line, "line " + std::to_string(++number));
+  EXPECT_EQ(number, 40000);
+}
+
+TEST(LogTail, CutsALineWithoutEnd) {
+  const TemporaryFolder place;
+  const auto log = place / "structure.log";
+  std::ofstream(log) << std::string(100000, '.') << "why\n";
+  EXPECT_LT(log_tail(log).size(), 3000U);
+  EXPECT_TRUE(log_tail(log).ends_with("...why"));
 }
 
 }  // namespace
