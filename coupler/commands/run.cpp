@@ -178,7 +178,7 @@ class Run {
 
   void windows() {
     started_ = true;
-    MonitorNotes notes(case_, plan_.start.time);
+    MonitorNotes notes(case_, plan_.start.time, session_->columns());
     WindowLoop loop = session_->loop(plan_);
     auto saved = Clock::now();
     while (!loop.finished()) {

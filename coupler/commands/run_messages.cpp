@@ -28,12 +28,23 @@ char thin_axis_of(const InterfaceMesh& mesh) {
   return "xyz"[thin];
 }
 
+std::vector<std::string> names_of(const std::vector<Column>& columns) {
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(column.name);
+  return names;
+}
+
 }  // namespace
 
-MonitorNotes::MonitorNotes(const CaseView& view, double since)
+MonitorNotes::MonitorNotes(const CaseView& view, double since, const std::vector<Column>& columns)
     : failure_(view.common.interface == "surface" && view.coupled(), since, view.bodies()),
       alarms_(since),
-      precice_(view.common.window) {}
+      precice_(view.common.window),
+      empty_(names_of(columns)),
+      several_(!view.bodies().empty()) {
+  for (const SideView* side : view.sides())
+    if (side->is_users()) users_.push_back(side->side);
+}
 
 void MonitorNotes::tell(const WindowReport& report, const RunMessages& messages) {
   for (const std::string& line : failure_.look(report.structure)) messages.note(line);
@@ -42,6 +53,11 @@ void MonitorNotes::tell(const WindowReport& report, const RunMessages& messages)
     for (const std::string& line : alarms_.look(*monitor)) messages.alarm(line);
     for (const std::string& line : precice_.look(side, *monitor)) messages.warn(line);
   }
+  const double end = report.window.t + report.window.dt;
+  for (const std::string& side : users_)
+    for (const std::string& line : empty_.look(side, end, several_ && side != "fluid",
+                                               side == "fluid" ? report.fluid : report.structure))
+      messages.warn(line);
 }
 
 RunHeader header_of(const CaseView& view, Session& session, const RunPlan& plan,

@@ -49,17 +49,21 @@ struct RunMessages {
   }
 };
 
-/// What the participants' monitors say while a run goes on: failure, alarms, reads of preCICE's solvers.
+/// What the participants' monitors say while a run goes on: failure, alarms, reads of preCICE's solvers,
+/// values that are no numbers.
 /// Each is told once; what happened up to `since` [s] was told before a resume.
 class MonitorNotes {
  public:
-  MonitorNotes(const CaseView&, double since);
+  MonitorNotes(const CaseView&, double since, const std::vector<Column>&);  // of the session
   void tell(const WindowReport&, const RunMessages&);
 
  private:
   FailureNotes failure_;
   AlarmNotes alarms_;
   PreciceNotes precice_;
+  EmptyCellNotes empty_;
+  std::vector<std::string> users_;  // sides whose program is a user's
+  bool several_;                    // bodies
 };
 
 /// The head of console and log, before the first window. history: the columns of its file.

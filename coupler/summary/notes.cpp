@@ -202,6 +202,22 @@ std::vector<std::string> PreciceNotes::look(const std::string& side,
   return lines;
 }
 
+std::vector<std::string> EmptyCellNotes::look(const std::string& side, double time, bool one_of_several,
+                                              const std::map<std::string, double>& monitor) {
+  std::vector<std::string> lines;
+  for (const auto& [name, value] : monitor) {
+    if (!std::isnan(value) || (one_of_several && !name.starts_with(side + "."))) continue;
+    const std::string there = one_of_several ? name : side + "." + name;  // where two columns share a name
+    for (const std::string& column : {name, there})
+      if (std::find(columns_.begin(), columns_.end(), column) != columns_.end() &&
+          !std::exchange(told_[column], true))
+        lines.push_back(
+            fmt::format("{}: {} is no number (nan) at t = {:.6g} s; such cells of history.csv stay empty",
+                        side, column, time));
+  }
+  return lines;
+}
+
 Json failure_json(const std::map<std::string, double>& monitor, const std::vector<std::string>& bodies) {
   if (bodies.empty()) return json_of(monitor, "");
   Json json;

@@ -72,6 +72,22 @@ class PreciceNotes {
   std::map<std::string, bool> told_;  // by side and kind
 };
 
+/// Values of programs that are not Strake's own and are no numbers (nan). Their cells in history.csv stay
+/// empty. Each column is told once.
+class EmptyCellNotes {
+ public:
+  explicit EmptyCellNotes(std::vector<std::string> columns)
+      : columns_(std::move(columns)) {}  // of history.csv
+  /// side: "fluid", "structure", the name of one of several bodies; of that one the columns are
+  /// "SIDE.column".
+  std::vector<std::string> look(const std::string& side, double time, bool one_of_several,
+                                const std::map<std::string, double>& monitor);
+
+ private:
+  std::vector<std::string> columns_;
+  std::map<std::string, bool> told_;
+};
+
 /// {"start": {"time", "x", "y", "z"}, "crack": …, "parted": …, "energy"}; null where nothing can fail.
 /// Of several bodies these by name.
 Json failure_json(const std::map<std::string, double>& monitor, const std::vector<std::string>& bodies = {});

@@ -113,5 +113,19 @@ TEST(CheckGrades, AreToldWorstFirstWithTheirBounds) {
                                       "good  work gap 3.0e-14 (to 1e-06)"}));
 }
 
+TEST(EmptyCellNotes, TellOnceWhichValueIsNoNumber) {
+  const double nan = std::nan("");
+  EmptyCellNotes notes({"floor.y", "left.force", "structure.force"});
+  EXPECT_TRUE(notes.look("structure", 0.1, false, {{"floor.y", 1}, {"other", nan}}).empty());
+  const auto lines = notes.look("structure", 0.2, false, {{"floor.y", nan}, {"force", nan}});
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0],
+            "structure: floor.y is no number (nan) at t = 0.2 s; such cells of history.csv stay empty");
+  EXPECT_EQ(lines[1].substr(0, 33), "structure: structure.force is no ");
+  EXPECT_TRUE(notes.look("structure", 0.3, false, {{"floor.y", nan}, {"force", nan}}).empty());
+  EXPECT_TRUE(notes.look("right", 0.3, true, {{"left.force", nan}}).empty()) << "another body's";
+  EXPECT_EQ(notes.look("left", 0.3, true, {{"left.force", nan}}).size(), 1U);
+}
+
 }  // namespace
 }  // namespace strake
