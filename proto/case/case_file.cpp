@@ -2,6 +2,7 @@
 
 #include "proto/case/case_depth.hpp"
 #include "proto/case/case_document.hpp"
+#include "proto/files/file_kind.hpp"
 #include "proto/files/whole_file.hpp"
 #include "proto/text.hpp"
 
@@ -65,6 +66,12 @@ bool is_toml_text(const std::string& text) {
   }
 }
 
+/// Refuses a file that is none of TOML's. Called where the parser has failed.
+void refuse_other_kind(const std::string& name, const std::string& bytes) {
+  if (const auto kind = foreign_kind(name, bytes))
+    throw Error(ExitCode::case_file, name, kind->name + ", not a case file (TOML)", kind->fix);
+}
+
 /// The table for the last step of a --set path; missing tables of the path are made.
 toml::table* table_for(toml::table& root, const std::vector<PathStep>& steps, const std::string& where) {
   toml::node* node = &root;
@@ -108,10 +115,14 @@ void CaseFile::Document::read_text() {
     while (line.ends_with('\r')) line.pop_back();
     lines.push_back(line);
   }
-  require_shallow(bytes, name);
   try {
+    require_shallow(bytes, name);
     root = toml::parse(bytes);
+  } catch (const Error&) {
+    refuse_other_kind(name, bytes);
+    throw;
   } catch (const toml::parse_error& error) {
+    refuse_other_kind(name, bytes);
     const toml::source_position& at = error.source().begin;
     const std::string line = at.line >= 1 && at.line <= lines.size() ? lines[at.line - 1] : "";
     const SyntaxHelp help = syntax_help(std::string(error.description()), line);
@@ -179,7 +190,11 @@ void CaseFile::Document::read_preset() {
 CaseFile::CaseFile(std::shared_ptr<Document> document) : document_(std::move(document)) {}
 
 CaseFile CaseFile::load(const std::filesystem::path& file, const std::vector<std::string>& sets) {
-  return parse(read_whole(file, largest_case, file.string()), file.string(), sets);
+  CaseFile read = parse(read_whole(file, largest_case, file.string()), file.string(), sets);
+  if (read.document_->root.empty())
+    throw Error(ExitCode::case_file, file.string(), "is empty: it gives no key",
+                "strake new writes a case to begin with, strake explain lists the keys");
+  return read;
 }
 
 CaseFile CaseFile::parse(const std::string& text, const std::string& name,

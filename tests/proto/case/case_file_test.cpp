@@ -301,6 +301,32 @@ TEST(CaseFile, SaysWhyAFileCannotBeRead) {
   EXPECT_NE(text(folder / "locked.toml").find("cannot be read: Permission denied"), std::string::npos);
 }
 
+TEST(CaseFile, SaysWhatAnotherKindOfFileIs) {
+  const TemporaryFolder folder;
+  const auto text = [&](const std::string& name, const std::string& bytes) {
+    put(folder / name, bytes);
+    return text_of_error([&] { CaseFile::load(folder / name); }, ExitCode::case_file);
+  };
+  const auto says = [](const std::string& all, const std::string& part) {
+    EXPECT_NE(all.find(part), std::string::npos) << all;
+  };
+  says(text("a.json", "{\"a\": 1}\n"), "a.json: is JSON, not a case file (TOML)\n");
+  says(text("b.py", "import numpy as np\n"), "is a program in Python, not a case file");
+  says(text("solver", "#!/usr/bin/python3\nimport strake\n"), "structure.solver = \"./solver\"");
+  says(text("c.csv", "time [s],uy [m]\n0,1\n"), "is a table (CSV)");
+  says(text("f.stl", "solid cube\n"), "strake new mesh");
+  says(text("g.xml", "<?xml version=\"1.0\"?>\n<precice-configuration/>\n"), "strake import");
+  says(text("h5.toml", std::string("\x89HDF\r\n\x1a\n", 8)), "is an HDF5 file");
+  says(text("program.toml", std::string("\x7f\x45LF\x02\x01\x01\0\0", 9)), "is a compiled program");
+  says(text("wide.toml", std::string("\xff\xfet\0i\0", 6)), "save it as UTF-8");
+  says(text("noise.toml", std::string(300, '\x01')), "is a binary file");
+  says(text("empty.toml", ""), "is empty: it gives no key");
+  says(text("comment.toml", "# title\n"), "is empty: it gives no key");
+  says(text("slip.toml", "title = plate\n"), "slip.toml:1:9: not TOML");
+  put(folder / "case.toml", head);
+  says(text("summary.json", "{\"a\": 1}\n"), "the case of that run is " + (folder / "case.toml").string());
+}
+
 TEST(CaseFile, WithDamagedBytesIsReadOrRefusedButNeverCrashes) {
   const std::string text = head + "tank = [[-1.0, -0.5], [1.0, 0.5]] # box\n[structure]\nsolver = \"fem\"\n" +
                            "[[compare]]\nprobe = \"mid\"\nwhen = { \"a.b\" = [1, inf] }\n";
