@@ -3,6 +3,7 @@
 #include "coupler/case/rank_threads.hpp"
 #include "coupler/mapping/mesh_part.hpp"
 #include "proto/error.hpp"
+#include "proto/lookup.hpp"
 #include "proto/visible.hpp"
 
 #include <fmt/format.h>
@@ -212,6 +213,55 @@ void check_motion(const CaseView& view, const std::string& side, const Participa
       fmt::format("a program with a preCICE adapter: {}.precice_names = [\"{}=displacement\"]\n"
                   "(of solver = \"precice\": precice.write), where that is the displacement",
                   table, visible(names.front(), "")));
+}
+
+namespace {
+
+/// The corners of fluid.tank or fluid.tank_polygon, 3×n [m]; none where there is neither.
+Points corners_of_tank(const CaseView& view) {
+  const std::vector<double> numbers = numbers_in(at_or(view.value, "fluid.tank"));
+  if (numbers.size() == 6) return Eigen::Map<const Points>(numbers.data(), 3, 2);
+  if (numbers.size() == 4) {
+    Points corners = Points::Zero(3, 2);
+    corners.topRows<2>() = Eigen::Map<const Eigen::Matrix2d>(numbers.data());
+    return corners;
+  }
+  const std::vector<double> polygon = numbers_in(at_or(view.value, "fluid.tank_polygon"));
+  bool flat = polygon.size() % 3 == 0;  // each third number is a z of 0
+  for (std::size_t i = 2; i < polygon.size(); i += 3) flat = flat && polygon[i] == 0;
+  if (flat || polygon.size() % 2 != 0) return Points::Zero(3, 0);  // 2 or 3 numbers a corner cannot be told
+  Points corners = Points::Zero(3, static_cast<Eigen::Index>(polygon.size() / 2));
+  corners.topRows<2>() = Eigen::Map<const Eigen::Matrix2Xd>(polygon.data(), 2, corners.cols());
+  return corners;
+}
+
+}  // namespace
+
+void check_within_tank(const CaseView& view, const std::string& side, const Participant& structure) {
+  if (!view.coupled() || view.fluid->solver != "mps" || view.common.interface != "surface") return;
+  const InterfaceMesh mesh = mesh_for_fluid(structure);
+  const Points corners = corners_of_tank(view);
+  const double spacing = view.number("fluid.spacing").value_or(0);
+  if (corners.cols() == 0 || !(spacing > 0)) return;
+  const std::vector<Field> initial = initial_for_fluid(structure);
+  const Field* moved = find(initial, "displacement");
+  const Eigen::Vector3d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
+  const bool lid = at_or(view.value, "fluid.open_top") == "false";
+  for (Eigen::Index k = 0; k < mesh.position.cols(); ++k) {
+    Eigen::Vector3d x = mesh.position.col(k);
+    if (moved != nullptr) x += moved->value.col(k);
+    bool outside = false;
+    for (Eigen::Index d = 0; d < mesh.dimension; ++d)
+      outside =
+          outside || x[d] < low[d] - 1.01 * spacing || ((d != 1 || lid) && x[d] > high[d] + 1.01 * spacing);
+    if (!outside) continue;
+    throw Error(
+        ExitCode::case_file, side + ", t = 0 s",
+        fmt::format("the body starts at ({:.6g}, {:.6g}{}) m, beyond the walls of the tank", x[0], x[1],
+                    mesh.dimension == 3 ? fmt::format(", {:.6g}", x[2]) : ""),
+        "move the body, or enlarge fluid.tank; all lengths are in m, also those of a program of your own: "
+        "1 mm is 0.001");
+  }
 }
 
 }  // namespace strake

@@ -37,5 +37,9 @@ std::vector<Field> initial_for_fluid(const Participant& structure);
 /// Tests that a structure in Strake's water sends displacements. Error(case_file) names what it sends
 /// instead; `side` calls the structure.
 void check_motion(const CaseView&, const std::string& side, const Participant& structure);
+/// Tests that a structure starts within the box around the tank of Strake's water, with a spacing to spare.
+/// The water tests it in full. But it makes its particles and layers first, which takes a minute for a body
+/// in mm. Throws Error(case_file) with the place.
+void check_within_tank(const CaseView&, const std::string& side, const Participant& structure);
 
 }  // namespace strake

@@ -121,6 +121,7 @@ void Session::set_up_structures(const Setup& setup) {
   for (const SideView& side : case_.structures) {
     RemoteParticipant& one = participants_->connect(side.side, setup);
     check_motion(case_, side.side, one);
+    check_within_tank(case_, side.side, one);
     take_surface(side, one);
     bodies_.push_back(&one);
     bodies.push_back({side.side, &one});

@@ -327,6 +327,36 @@ TEST(MeshTransfer, IdlePointsChangeNeitherResidualsNorWork) {
   }
 }
 
+// The water would refuse it too, after a minute of making particles.
+TEST(MeshTransfer, ABodyInMillimetresIsRefusedBeforeTheWaterIsMade) {
+  CaseView view;
+  view.common.interface = "surface";
+  view.fluid = SideView{.side = "fluid", .solver = "mps", .program = {}, .lines = {}, .echo = {}};
+  view.structures.push_back(
+      {.side = "structure", .solver = "./spring.py", .program = {}, .lines = {}, .echo = {}});
+  view.value = {{"fluid.spacing", "0.05"}, {"fluid.open_top", "true"}};
+  const Still in_m(nodes("floor", 4), {});
+  InterfaceMesh mesh = nodes("floor", 4);
+  mesh.position *= 1000;
+  const Still in_mm(mesh, {});
+  for (const auto& [key, value] : {std::pair("fluid.tank", "[[0, -0.05, 0], [1, 1.25, 0]]"),
+                                   {"fluid.tank", "[[0, -0.05], [1, 1.25]]"},
+                                   {"fluid.tank_polygon", "[[0, 1], [0, -1], [1, -1], [1, 1]]"}}) {
+    CaseView one = view;
+    one.value[key] = value;
+    EXPECT_NO_THROW(check_within_tank(one, "structure", in_m)) << value;
+    try {
+      check_within_tank(one, "structure", in_mm);
+      ADD_FAILURE() << value;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.where(), "structure, t = 0 s");
+      EXPECT_EQ(error.problem(), "the body starts at (250, 0) m, beyond the walls of the tank");
+    }
+    one.common.interface = "volume";
+    EXPECT_NO_THROW(check_within_tank(one, "structure", in_mm)) << "the water does not ask there";
+  }
+}
+
 TEST(MeshTransfer, VolumeCouplingHasOneMesh) {
   Panel panel;
   CouplingCase view;
