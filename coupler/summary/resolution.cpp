@@ -250,6 +250,14 @@ std::optional<std::string> hollow_line(const CaseView& view, const MovingBody& m
       hollow->right - hollow->left, hollow->roof - hollow->mouth);
 }
 
+/// Whether the face under the water is hollow: its edges meet the water first, and the water runs from them
+/// to the middle. No jet leaves such a face as it leaves a wedge's, and the mean slope has no meaning.
+bool is_hollow(const InterfaceMesh& body, const Wetted& wetted) {
+  if (!(wetted.half > 0)) return false;
+  const auto hollow = hollow_below(body, body.position.row(1).minCoeff() + wetted.rise);
+  return hollow && hollow->right - hollow->left > wetted.half;
+}
+
 /// The slope of the body's face at the place nearest to `at`, as |dy/dx|; bodies in the plane.
 double slope_at(const InterfaceMesh& body, const Eigen::Vector3d& at) {
   double nearest = std::numeric_limits<double>::infinity(), slope = 0;
@@ -322,8 +330,11 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
   for (const SideView& side : view.structures)
     if (const auto line = layers_line(view, side)) lines.push_back(*line);
   const auto level = water_level(view);
+  bool hollow_face = false;
   for (const MovingBody& body : bodies) {
-    const auto wetted = level ? wetted_at_end(view, body, *level) : std::nullopt;
+    auto wetted = level ? wetted_at_end(view, body, *level) : std::nullopt;
+    hollow_face = wetted && is_hollow(body.mesh, *wetted);
+    if (hollow_face) wetted->slope = 0;  // as of a level face
     const std::string begin = body.name.empty() ? "" : body.name + ": ";
     const auto hollow = level ? hollow_line(view, body, *level, wetted) : std::nullopt;
     if (!wetted) {
@@ -336,7 +347,7 @@ std::vector<std::string> resolution_lines(const CaseView& view, const std::vecto
     if (const auto walls = blockage_line(view, body.mesh, wetted->half, *level, !wetted->left))
       lines.push_back(begin + *walls);
   }
-  if (bodies.size() == 1)  // of several it is not known on which one a sensor sits
+  if (bodies.size() == 1 && !hollow_face)  // of several it is not known on which one a sensor sits
     for (std::string& line : sensor_lines(view, bodies.front().mesh, *spacing))
       lines.push_back(std::move(line));
   lines.push_back("one spacing: not checked against a second spacing (strake study varies fluid.spacing)");
