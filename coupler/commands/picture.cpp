@@ -6,6 +6,7 @@
 #include "coupler/plot/ticks.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/files/result_file.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -106,6 +107,7 @@ ExitCode draw_picture(const PictureOptions& options) {
   write_text(out, picture::draw(scene, drawing, kind));
   fmt::print("{}: the frame at {:.6g} s, {} particles of water{}\n", out.string(), scene.time,
              scene.water.size(), scene.cut.empty() ? "" : ", " + scene.cut);
+  for (const std::string& note : scene.notes) fmt::print("  {}\n", visible(note));
   for (const picture::Quantity* of : {&scene.water_field, &scene.solid_field})
     if (!of->all.empty()) {
       const Prefix prefix = prefix_for(std::max(std::abs(of->all.lo), std::abs(of->all.hi)), of->unit);
@@ -142,6 +144,7 @@ ExitCode make_film(const FilmOptions& options, const StopRequest& stop) {
   if (stop.requested()) return stop.code();
 
   const bool live = style_of(stdout).terminal;
+  std::vector<std::string> notes;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (stop.requested()) {
       fmt::print(stderr, "{}{}: {}, no film is left\n", live ? "\r" : "", wanted.out.string(),
@@ -151,12 +154,14 @@ ExitCode make_film(const FilmOptions& options, const StopRequest& stop) {
     const picture::Scene scene =
         picture::read_scene(run, {.time = frames[k].time, .field = wanted.field, .scale = wanted.scale});
     encoder.add(picture::draw(scene, drawing, picture::Canvas::Kind::png));
+    notes = scene.notes;
     if (live) fmt::print("\rframe {} of {}", k + 1, frames.size());
     if (live) std::fflush(stdout);
   }
   encoder.finish();
   fmt::print("{}{}: {} frames from {:.6g} to {:.6g} s, {} a second\n", live ? "\r" : "", wanted.out.string(),
              frames.size(), frames.front().time, frames.back().time, options.frames_per_second);
+  for (const std::string& note : notes) fmt::print("  {}\n", visible(note));
   return ExitCode::done;
 }
 

@@ -305,7 +305,8 @@ RunFrames find_frames(const std::filesystem::path& folder) {
                    .keys = keys_of(folder),
                    .fluid = list_frames(folder, "fluid"),
                    .structure = list_frames(folder, "structure"),
-                   .bodies = {}};
+                   .bodies = {},
+                   .interface = nullptr};
   for (const std::string& body : bodies_of(run.keys))
     run.bodies.emplace_back(body, list_frames(folder, body));
   if (run.bodies.empty()) run.bodies.emplace_back("", run.structure);
@@ -313,6 +314,8 @@ RunFrames find_frames(const std::filesystem::path& folder) {
   if (run.fluid.empty() && run.structure.empty())
     throw Error(ExitCode::case_file, (folder / "frames").string(), "there is no frame to draw",
                 "name the folder of a run that has written frames (output.every), e.g. runs/plate_entry");
+  if (std::ranges::any_of(run.bodies, [](const auto& body) { return body.second.empty(); }))
+    run.interface = record_of(folder);
   return run;
 }
 
@@ -327,7 +330,7 @@ double lattice_spacing(const Frame& frame) {
 }
 
 Scene read_scene(const RunFrames& run, const SceneOptions& options) {
-  const auto& [folder, keys, fluid, structure, bodies] = run;
+  const auto& [folder, keys, fluid, structure, bodies, interface] = run;
   Scene scene;
   scene.title = at_or(keys, "title");
   if (scene.title.empty()) scene.title = folder.filename().string();
@@ -348,7 +351,10 @@ Scene read_scene(const RunFrames& run, const SceneOptions& options) {
   std::vector<double> shown;
   for (const auto& [body, frames] : bodies) {
     const FrameFile* file = nearest(frames, fluid.empty() ? options.time : scene.time);
-    if (file == nullptr) continue;
+    if (file == nullptr) {
+      draw_interface(run, body, cut.solid ? std::optional(cut.at) : std::nullopt, scene);
+      continue;
+    }
     const Frame frame = read_frame(file->path);
     if (fluid.empty()) {
       scene.time = frame.time;

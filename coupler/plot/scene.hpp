@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/participant/interface_record.hpp"
 #include "proto/files/frame_file.hpp"
 #include "proto/interface.hpp"
 
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,9 +69,10 @@ struct Scene {
   std::vector<std::vector<Place>> lines;  // springs and mooring lines
   std::vector<Patch> air;                 // between a face and the water, where a run computes it
   Quantity water_field, solid_field;
-  std::string cut;   // of three dimensions: which section this is; empty in two
-  double scale = 1;  // of the deformation
-  Range x, y;        // what water and structure span [m]
+  std::string cut;                 // of three dimensions: which section this is; empty in two
+  std::vector<std::string> notes;  // of bodies without frames
+  double scale = 1;                // of the deformation
+  Range x, y;                      // what water and structure span [m]
 };
 
 struct SceneOptions {
@@ -87,6 +90,7 @@ struct RunFrames {
   std::vector<FrameFile> fluid, structure;  // of several bodies those of the first
   /// Of each body; one without a name for one structure.
   std::vector<std::pair<std::string, std::vector<FrameFile>>> bodies;
+  std::shared_ptr<const InterfaceRecord> interface;  // where a body has no frames
 };
 /// Throws Error(case_file) where there is no frame.
 RunFrames find_frames(const std::filesystem::path& run_folder);
@@ -111,6 +115,12 @@ Range shown_range(std::vector<double> values);
 /// The section of one cell by the plane z = `at`: corners in order, two for a facet, none without
 /// intersection.
 std::vector<Place> section(const Points& point, const Eigen::VectorXi& cell, double at);
+
+/// The interface record of a run; none where it has none that can be read.
+std::shared_ptr<const InterfaceRecord> record_of(const std::filesystem::path& run_folder);
+/// Adds the wet interface of a body without frames to the scene, at its time, and a note. body: of several,
+/// its name. at: [m] the plane of the section; none in two dimensions.
+void draw_interface(const RunFrames&, const std::string& body, std::optional<double> at, Scene&);
 
 /// Springs and mooring lines of a body at one instant: places along each, 3×n [m], the anchor first. keys: of
 /// case.toml, by full names. body: of several, its name.
