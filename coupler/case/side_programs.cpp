@@ -97,4 +97,15 @@ void check_precice_names(const std::string& side, const ForeignKeys& keys) {
   }
 }
 
+std::vector<std::string> discretisations(const CaseView& view, const SideView& body) {
+  const std::string table = body.is_body ? "structures." + body.side + "." : "structure.";
+  if (body.solver == "rigid")
+    for (const char* form : {"wedge", "cylinder", "sphere", "outline", "offsets"})
+      for (const auto& [key, value] : view.value) {
+        const std::string name = table + form;
+        if (key == name || key.starts_with(name + ".") || key.starts_with(name + "[")) return {"rigid"};
+      }
+  return {"fem", "particle", "rigid"};
+}
+
 }  // namespace strake

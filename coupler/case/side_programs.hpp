@@ -21,6 +21,10 @@ void check_attached_programs(const CaseView&, const std::vector<std::string>& by
 /// Returns those that the coupler computes itself.
 Json record_attachments(const CaseView&, Json& programs);
 
+/// Our solvers that may take the body of a case, in the order of the table of `strake check`. A form that
+/// rigid bodies alone have (a wedge, an outline) needs no start of the others, which load deal.II.
+std::vector<std::string> discretisations(const CaseView&, const SideView& body);
+
 /// Whether the user starts this side (--attach): it is named, or it is a body and "structure" is.
 bool starts_by_hand(const std::vector<std::string>& by_hand, const SideView&);
 

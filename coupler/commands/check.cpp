@@ -27,7 +27,7 @@ namespace {
 /// A body as each discretisation of ours has it; one that cannot take the case says why.
 void print_properties(const CaseView& view, const SideView& body, const StopRequest& stop) {
   std::string rows;
-  for (const std::string solver : {"fem", "particle", "rigid"}) try {
+  for (const std::string& solver : discretisations(view, body)) try {
       rows += solver == body.solver && body.properties  // its program has been asked with the case
                   ? *body.properties
                   : ask_solver(view, body, solver, "--properties", &stop).value_or("");
@@ -77,7 +77,7 @@ void write_picture(const CaseView& view, const std::filesystem::path& path, cons
   double y = 0, width = 0;
   for (const SideView& body : view.structures) {
     double drawn = 0;  // of this body
-    for (const std::string solver : {"fem", "particle", "rigid"}) try {
+    for (const std::string& solver : discretisations(view, body)) try {
         const std::string drawing = ask_solver(view, body, solver, "--picture", &stop).value_or("");
         if (drawing.empty() || (solver == "rigid" && drawn > 0 && body.solver != "rigid")) continue;
         const auto number = [&](const std::string& name) {
