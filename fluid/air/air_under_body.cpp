@@ -24,6 +24,7 @@ AirUnderBody<dim>::AirUnderBody(const AirKeys& keys, StepData<dim>& step) : keys
   find_columns(step);
   step.air.aired.assign(static_cast<std::size_t>(step.boundary.body_surface().points()), 0);
   if (step.state.air_mass.size() == 0) begin(step);
+  if (step.state.air_surface_velocity.size() == 0) step.state.air_surface_velocity.setZero(size());
   for (Eigen::Index i = 0; i < size(); ++i)
     if (step.state.air_mass[i] > 0) set_aired(i, step, 1);
 }
@@ -64,6 +65,7 @@ void AirUnderBody<dim>::find_columns(const StepData<dim>& step) {
           {middle, side.normal, side.length});
     }
     first_.push_back(static_cast<Eigen::Index>(columns_.size()));
+    response_.emplace_back(field.columns, step.p.spacing, step.p.density);
     layer_.emplace_back(AirProperties(keys_), std::move(field.columns));
   }
   if (layer_.empty())
@@ -295,7 +297,8 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
         const double lacking = water.level[c] - state.air_surface[c];
         const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[k] / l0 - 0.25, 0.0, 1.0);
         rise = share * std::min(1.0, dt / follow_time) * lacking +
-               dt * (water.velocity[c] + dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
+               dt * (water.velocity[c] + state.air_surface_velocity[c] +
+                     dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
       }
       const double before = air.gap[k],
                    free_gap = height - state.air_surface[c] - rise - elastic * state.air_pressure[c];
@@ -309,8 +312,19 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
     }
     store(air, f, state);
     state.air_pressure.segment(first, count_of(f)) = layer_[f].pressure(air).array() - keys_.pressure;
+    let_surface_follow(f, air, step);
   }
   press_surface(step, face, fields);
+}
+
+template <int dim>
+void AirUnderBody<dim>::let_surface_follow(std::size_t layer, const AirState<plane>& air,
+                                           StepData<dim>& step) const {
+  const auto first = first_of(layer), n = count_of(layer);
+  auto velocity = step.state.air_surface_velocity.segment(first, n);
+  velocity += step.dt * response_[layer].acceleration(layer_[layer].columns(), air,
+                                                      step.state.air_pressure.segment(first, n));
+  velocity = (air.mass.array() > 0).select(velocity, 0.0);  // a face in contact is met by the row itself
 }
 
 // Linear between the middles of columns of one field. Over the last l0/2 before an open border the pressure

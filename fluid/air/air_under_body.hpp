@@ -2,6 +2,7 @@
 
 #include "fluid/air/air_layer.hpp"
 #include "fluid/air/near_columns.hpp"
+#include "fluid/air/surface_response.hpp"
 #include "fluid/scheme/step_data.hpp"
 
 #include <Eigen/Core>
@@ -89,16 +90,19 @@ class AirUnderBody {
   void begin(StepData<dim>&);
   void set_aired(Eigen::Index column, StepData<dim>&, std::uint8_t has) const;  // of its wet points
   bool is_aired(Eigen::Index column, const StepData<dim>&) const;
+  /// Advances the velocity of the surface against the row below it by the step (F95).
+  void let_surface_follow(std::size_t layer, const AirState<plane>&, StepData<dim>&) const;
   void press_surface(StepData<dim>&, const Faces&, const Near&) const;
   AirState<plane> air_of(const State<dim>&, std::size_t layer) const;
   void store(const AirState<plane>&, std::size_t layer, State<dim>&) const;
 
   AirKeys keys_;
-  std::vector<Column> columns_;         // field after field
-  std::vector<AirLayer<plane>> layer_;  // of each field of faces
-  std::vector<Eigen::Index> first_{0};  // column of each field, and their number
-  std::vector<int> columns_over_;       // under each wet point
-  Eigen::VectorXd area_;                // of the columns [m²], on a line [m]
+  std::vector<Column> columns_;                   // field after field
+  std::vector<AirLayer<plane>> layer_;            // of each field of faces
+  std::vector<SurfaceResponse<plane>> response_;  // of the water below each
+  std::vector<Eigen::Index> first_{0};            // column of each field, and their number
+  std::vector<int> columns_over_;                 // under each wet point
+  Eigen::VectorXd area_;                          // of the columns [m²], on a line [m]
 };
 
 }  // namespace strake::fluid

@@ -52,16 +52,17 @@ struct State {
   std::vector<std::uint8_t>
       air_connected;  // n, of surface water: beside air that came from outside (voids.hpp)
 
-  Eigen::VectorXd air_mass;      // [kg/m²] of each column of air under a body
-  Eigen::VectorXd air_momentum;  // [kg/(m s)] column by column
-  Eigen::VectorXd air_gap;       // [m]
-  Eigen::VectorXd air_pressure;  // [Pa] less that of the open air
-  Eigen::VectorXd air_surface;   // [m] level of the water below
-  double air_at_start = 0;       // [kg], in two dimensions [kg/m]
-  double air_out = 0;            // [kg], in two dimensions [kg/m], that has left
-  double air_energy_due = 0;     // [J], in two dimensions [J/m]: of the start, and work, less what left
-  double air_energy_given = 0;   // the same: of the start, and the work done on the air
-  Eigen::VectorXd wet_part;      // of layer particles of bodies: part with which its face counts (F91)
+  Eigen::VectorXd air_mass;              // [kg/m²] of each column of air under a body
+  Eigen::VectorXd air_momentum;          // [kg/(m s)] column by column
+  Eigen::VectorXd air_gap;               // [m]
+  Eigen::VectorXd air_pressure;          // [Pa] less that of the open air
+  Eigen::VectorXd air_surface;           // [m] level of the water below
+  Eigen::VectorXd air_surface_velocity;  // [m/s] of that level less the water's first row (F95)
+  double air_at_start = 0;               // [kg], in two dimensions [kg/m]
+  double air_out = 0;                    // [kg], in two dimensions [kg/m], that has left
+  double air_energy_due = 0;    // [J], in two dimensions [J/m]: of the start, and work, less what left
+  double air_energy_given = 0;  // the same: of the start, and the work done on the air
+  Eigen::VectorXd wet_part;     // of layer particles of bodies: part with which its face counts (F91)
   Vectors<dim> interface_displacement;  // dim×m [m] committed motion of the interface points
   Vectors<dim> interface_velocity;      // dim×m [m/s]
   Eigen::VectorXd rank_boxes;           // 6 per rank, see Partition; empty: one rank
@@ -106,6 +107,7 @@ struct State {
                       std::pair("air_gap", &State::air_gap),                                //
                       std::pair("air_pressure", &State::air_pressure),                      //
                       std::pair("air_surface", &State::air_surface),                        //
+                      std::pair("air_surface_velocity", &State::air_surface_velocity),      //
                       std::pair("air_at_start", &State::air_at_start),                      //
                       std::pair("air_out", &State::air_out),                                //
                       std::pair("air_energy_due", &State::air_energy_due),                  //
