@@ -263,7 +263,9 @@ double FluidParticipant<dim>::body_width() const {
 }
 
 /// Returns 2ρV times the `moved_water` of all bodies. Where nothing enters it is the largest impulse so far,
-/// or the mass of the water times the largest speed that the case gives it, where that is more.
+/// or the mass of the water times the largest speed that the case gives it, where that is more. With a body
+/// that stands in the water under gravity only the impulse on bodies counts. Gravity and walls carry the
+/// weight of the whole tank: beside that no gap shows, and the less the larger the tank.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
@@ -276,8 +278,10 @@ double FluidParticipant<dim>::momentum_scale() const {
       start_speeds_.water > 0
           ? mass * static_cast<double>(simulation_.ranks().sum(std::ssize(own_water()))) * start_speeds_.water
           : 0;
-  return std::max(
-      {state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), state.impulse_on_bodies.norm(), own});
+  const double on_bodies = state.impulse_on_bodies.norm();
+  if (parameters_.submerged && on_bodies > 0 && parameters_.gravity.norm() > 0)
+    return std::max(on_bodies, own);
+  return std::max({state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), on_bodies, own});
 }
 
 /// Returns |momentum not accounted for| over `momentum_scale`.
@@ -330,20 +334,23 @@ void FluidParticipant<dim>::watch_window(const Window& window, const WindowExtre
   guard_.extremes(measurements_.guard, extremes);
 }
 
-/// Passes the accounts of a window to the guard, and its alarms to the coupler. The momentum is compared with
-/// the largest impulse, and with a hundredth of the water's own M√(gH) while little has happened: a share of
-/// nothing says nothing.
+/// Passes the accounts of a window to the guard, and its alarms to the coupler. The gap of a body that enters
+/// is compared with `momentum_scale`, V at least √(g a), or the impulse on it, where that is more: a load is
+/// known as well as its impulse. Else it is compared with a hundredth of the water's own M√(gH) while little
+/// has happened: a share of nothing says nothing.
 template <int dim>
 void FluidParticipant<dim>::watch_accounts(std::map<std::string, double>& monitor) {
   const State<dim>& state = simulation_.state();
   GuardRecord& record = measurements_.guard;
   const double mass = parameters_.density * std::pow(parameters_.spacing, dim) * monitor.at("count.fluid");
   const double depth = parameters_.water.max.y() - parameters_.tank.min.y();
+  const double g = parameters_.gravity.norm(), entry = start_speeds_.entry;
   constexpr double little = 0.01;
   const double scale = momentum_scale();
-  const double least = std::max({scale, little * mass * std::sqrt(parameters_.gravity.norm() * depth),
-                                 state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(),
-                                 state.impulse_on_bodies.norm()});
+  double other = little * mass * std::sqrt(g * depth);
+  if (entry > 0)
+    other = std::max(state.impulse_on_bodies.norm(), scale * std::sqrt(g * 0.5 * body_width()) / entry);
+  const double least = std::max(scale, other);
   if (least > 0) guard_.momentum(record, state.time, monitor.at("check.momentum_gap") * scale / least);
   if (measures_water_) {
     guard_.volume(record, state.time, monitor.at("check.volume_drift"));

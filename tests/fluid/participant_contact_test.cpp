@@ -1,4 +1,5 @@
 #include "tests/fluid/participant_case.hpp"
+#include "tests/fluid/plate_case.hpp"
 #include "tests/proto/refusal.hpp"
 #include "tests/proto/temporary_folder.hpp"
 
@@ -107,6 +108,48 @@ TEST(FluidParticipant, the_momentum_account_of_two_plates_is_compared_with_the_w
       {-0.15, 0.15}, {"fluid.tank=[[-0.3, -0.1], [0.3, 0.1]]", "fluid.water=[[-0.3, -0.1], [0.3, 0.0]]"});
   EXPECT_GT(one, 1e-4);
   EXPECT_NEAR(two, one, 0.1 * one);
+}
+
+/// The last accounts of a plate of one spacing that goes down at 2 m/s edge-on for 20 ms. low: place of its
+/// lower edge at the start [m]; half: half the width of the tank [m].
+std::map<std::string, double> edge_on(double low, const std::string& half, const std::string& submerged) {
+  const Case c({"fluid.tank=[[-" + half + ", -0.1], [" + half + ", 0.1]]",
+                "fluid.water=[[-" + half + ", -0.1], [" + half + ", 0.0]]", "fluid.submerged=" + submerged,
+                "fluid.scheme.time_step=1e-4", "coupling.surface.window=1e-4"},
+               "[0.0, -0.09]\nquantity = \"level\"");
+  strake::Setup setup;
+  setup.interface = "surface";
+  setup.partner_mesh = rectangle(-0.005, low, 0.01, 0.1, 0.01);
+  const auto all = [&](const std::string& quantity, const std::string& unit, double y) {
+    return Field{quantity, unit, false,
+                 Eigen::Vector3d(0, y, 0).replicate(1, setup.partner_mesh.position.cols())};
+  };
+  setup.partner_initial = {all("displacement", "m", 0), all("velocity", "m/s", -speed)};
+  FluidParticipant<2> participant(c.parameters, c.common, setup);
+  std::map<std::string, double> monitor;
+  for (int k = 0; k < 200; ++k) {
+    const Window w = nth(k, 1e-4);
+    monitor =
+        participant.advance(w, {{{w.t + w.dt, {all("displacement", "m", -speed * (w.t + w.dt))}}}}).monitor;
+    participant.commit(false);
+  }
+  return monitor;
+}
+
+// Half a spacing does not show the water the plate's width. The gap was compared with what gravity gives the
+// whole tank, so no alarm came.
+TEST(FluidParticipant, a_plate_that_enters_edge_on_raises_the_alarm_of_its_momentum) {
+  const auto last = edge_on(0.002, "0.15", "false");
+  EXPECT_GT(last.at("check.momentum_gap"), 0.1);
+  EXPECT_TRUE(last.contains("alarm.momentum.time"));
+}
+
+// It was compared with the weight of all the water, so that it was three times smaller in the wider tank.
+TEST(FluidParticipant, the_momentum_gap_of_a_body_in_the_water_does_not_depend_on_the_tank) {
+  const double narrow = edge_on(-0.035, "0.15", "true").at("check.momentum_gap"),
+               wide = edge_on(-0.035, "0.45", "true").at("check.momentum_gap");
+  EXPECT_GT(narrow, 0.1);
+  EXPECT_NEAR(wide / narrow, 1, 0.3) << wide << " and " << narrow;
 }
 
 TEST(FluidParticipant, a_body_that_has_blown_up_is_named_with_its_speed) {
