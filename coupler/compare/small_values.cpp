@@ -30,10 +30,6 @@ std::string in_percent(double part) {
   return fmt::format("{:+.3g} %", 100 * part);
 }
 
-}  // namespace
-
-namespace {
-
 /// The component whose first value of metric m is the largest, among those of one name and unit.
 LargestComponent largest_component(const std::vector<std::string>& quantities,
                                    const std::vector<Comparison>& made, std::size_t q, std::size_t m) {

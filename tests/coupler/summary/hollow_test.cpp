@@ -1,5 +1,6 @@
 // What is said of the resolution of hollow plates.
 #include "coupler/summary/resolution.hpp"
+#include "tests/coupler/summary/rigid_in_tank.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,22 +10,6 @@
 
 namespace strake {
 namespace {
-
-CaseView case_with(double spacing, double end_time) {
-  CaseView view;
-  view.fluid = SideView{.side = "fluid", .solver = "mps", .program = {}, .lines = {}, .echo = {}};
-  view.structures.push_back(
-      SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}});
-  view.common.end_time = end_time;
-  view.value = {{"fluid.spacing", std::to_string(spacing)}, {"fluid.water", "[[-1, -0.75, 0], [1, 0, 0]]"}};
-  return view;
-}
-
-bool says(const std::vector<std::string>& lines, const std::string& words) {
-  for (const std::string& line : lines)
-    if (line.find(words) != std::string::npos) return true;
-  return false;
-}
 
 // The edges meet the water first: it runs to the middle, and no jet leaves the face.
 TEST(Resolution, AHollowPlateHasNoJet) {

@@ -1,6 +1,7 @@
 #include "coupler/summary/resolution.hpp"
 
 #include "coupler/summary/hulls.hpp"
+#include "tests/coupler/summary/rigid_in_tank.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,22 +26,6 @@ struct Wedge {
     velocity.row(1).setConstant(-6);
   }
 };
-
-CaseView case_with(double spacing, double end_time) {
-  CaseView view;
-  view.fluid = SideView{.side = "fluid", .solver = "mps", .program = {}, .lines = {}, .echo = {}};
-  view.structures.push_back(
-      SideView{.side = "structure", .solver = "rigid", .program = {}, .lines = {}, .echo = {}});
-  view.common.end_time = end_time;
-  view.value = {{"fluid.spacing", std::to_string(spacing)}, {"fluid.water", "[[-1, -0.75, 0], [1, 0, 0]]"}};
-  return view;
-}
-
-bool says(const std::vector<std::string>& lines, const std::string& words) {
-  for (const std::string& line : lines)
-    if (line.find(words) != std::string::npos) return true;
-  return false;
-}
 
 TEST(Resolution, CountsSpacingsOnTheHalfWidthThatIsWetAtTheEnd) {
   const Wedge wedge(0.25, std::tan(std::numbers::pi / 6));
