@@ -14,7 +14,6 @@ namespace {
 
 constexpr double at_film = 2;         // [ρ0 δ] air of a column that has lost its own
 constexpr double disorder = 0.2;      // [l0] by which water in contact may be lower than its surface
-constexpr double steep = 0.1;         // [l0] off the row, past which (F95) does not hold for the surface
 constexpr double follow_time = 0.01;  // [s] in which the surface comes back to the water's particles
 constexpr double deep = 4;            // [l0] below the surface no particle sees it
 
@@ -296,7 +295,8 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
       if (water.weight[c] > 0) {
         // A thin gap opens to the water's particles and is never closed by their disorder.
         const double lacking = water.level[c] - state.air_surface[c];
-        if (lacking * state.air_surface_velocity[c] < 0 && std::abs(lacking) > steep * l0)
+        if (lacking * state.air_surface_velocity[c] < 0 &&
+            std::abs(lacking) > SurfaceResponse<plane>::steep * l0)
           state.air_surface_velocity[c] = 0;
         const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[k] / l0 - 0.25, 0.0, 1.0);
         rise = share * std::min(1.0, dt / follow_time) * lacking +

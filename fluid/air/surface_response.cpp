@@ -2,6 +2,7 @@
 
 #include "fluid/air/near_columns.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -34,19 +35,34 @@ double kernel(const typename AirColumns<plane>::Side& side,
 
 template <int plane>
 SurfaceResponse<plane>::SurfaceResponse(const AirColumns<plane>& columns, double spacing, double density)
-    : of_jumps_(columns.size(), static_cast<Eigen::Index>(columns.sides.size())) {
+    : spacing_(spacing),
+      density_(density),
+      of_jumps_(columns.size(), static_cast<Eigen::Index>(columns.sides.size())) {
   const NearColumns<plane> near(columns.place, reach * spacing);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t s = 0; s < columns.sides.size(); ++s) {
     const auto& side = columns.sides[s];
     near.for_each(side.middle, [&](int c, double) {
       const typename AirColumns<plane>::Place from_middle = columns.place.col(c) - side.middle;
-      if (std::abs(from_middle.dot(side.normal)) < 1e-6 * spacing) return;  // along the side itself: nothing
+      const double across = std::abs(from_middle.dot(side.normal));
+      if (across < 1e-6 * spacing) return;  // along the side itself: nothing
+      if (side.other < 0 && c == side.column) borders_.push_back({c, 2 * across});
       entries.emplace_back(c, static_cast<int>(s),
                            -kernel<plane>(side, from_middle, 0.5 * spacing) / density);
     });
   }
   of_jumps_.setFromTriplets(entries.begin(), entries.end());
+}
+
+// At a border the pressure falls over the gap h, and the surface moves most just inside. Mean over the width
+// b of the column less the value in its middle:
+//   ( ln(1 + b²/h²) − ln(1 + b²/d²) )/(2πb) − K(b/2)
+template <int plane>
+double SurfaceResponse<plane>::border_mean(double width, double gap) const {
+  const double middle = 0.5 * width, depth = 0.5 * spacing_, fall = std::max(gap, steep * spacing_);
+  const auto mean = [&](double length) { return std::log1p(std::pow(width / length, 2)) / (2 * width); };
+  const double in_middle = 1 / middle - middle / (middle * middle + depth * depth);
+  return (mean(fall) - mean(depth) - in_middle) / std::numbers::pi;
 }
 
 template <int plane>
@@ -59,7 +75,11 @@ Eigen::VectorXd SurfaceResponse<plane>::acceleration(const AirColumns<plane>& co
     if (!(state.mass[i] > 0) || (j >= 0 && !(state.mass[j] > 0))) continue;
     jump[static_cast<Eigen::Index>(s)] = (j < 0 ? 0 : pressure[j]) - pressure[i];
   }
-  return of_jumps_ * jump;
+  Eigen::VectorXd upwards = of_jumps_ * jump;
+  for (const Border& border : borders_)
+    if (const int c = border.column; state.mass[c] > 0)
+      upwards[c] -= pressure[c] / density_ * border_mean(border.width, state.gap[c]);
+  return upwards;
 }
 
 template class SurfaceResponse<1>;
