@@ -22,7 +22,7 @@ constexpr std::array<Magic, 8> magics{{{"\x7f"
                                         "ELF",
                                         "is a compiled program"},
                                        {"\x89HDF", "is an HDF5 file, such as a frame or a record of a run"},
-                                       {"PK\x03\x04", "is a ZIP archive, such as an FMU"},
+                                       {"PK\x03\x04", "is a ZIP archive"},
                                        {"\x1f\x8b", "is a compressed file (gzip)"},
                                        {"\x89PNG", "is a picture"},
                                        {"%PDF", "is a PDF file"},
@@ -59,6 +59,10 @@ std::optional<FileKind> foreign_kind(const std::filesystem::path& file, const st
   };
   const std::string as_solver =
       fmt::format("a case names it: structure.solver = \"./{}\"; strake run takes the case", name);
+  if (ends({".fmu"}))
+    return FileKind{
+        "is a co-simulation unit (FMU)",
+        fmt::format("a case names it in [[attachments]]: solver = \"fmu\" and fmu.file = \"{}\"", name)};
   for (const Magic& magic : magics)
     if (bytes.starts_with(magic.bytes)) {
       const std::string_view what = magic.name;

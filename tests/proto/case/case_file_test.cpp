@@ -318,6 +318,7 @@ TEST(CaseFile, SaysWhatAnotherKindOfFileIs) {
   says(text("g.xml", "<?xml version=\"1.0\"?>\n<precice-configuration/>\n"), "strake import");
   says(text("h5.toml", std::string("\x89HDF\r\n\x1a\n", 8)), "is an HDF5 file");
   says(text("program.toml", std::string("\x7f\x45LF\x02\x01\x01\0\0", 9)), "is a compiled program");
+  says(text("line.fmu", "PK\x03\x04"), "is a co-simulation unit (FMU)");
   says(text("wide.toml", std::string("\xff\xfet\0i\0", 6)), "save it as UTF-8");
   says(text("noise.toml", std::string(300, '\x01')), "is a binary file");
   says(text("empty.toml", ""), "is empty: it gives no key");
