@@ -166,13 +166,28 @@ auto AirLayer<plane>::open_air(const Gas& last, const Place& normal) const -> Ga
   return {density_at(c), last.velocity + (u - along) * normal};
 }
 
-// Mass, momentum, and the energy that the open air does not have: ρ u (u²/2 + (c² − c0²)/(γ−1)).
+// u²/2 + (c² − c0²)/(γ−1), of what has left.
 template <int plane>
-auto AirLayer<plane>::border_flux(const Gas& gas, const Place& normal) const -> Flux {
-  const double through = gas.density * gas.velocity.dot(normal);
+double AirLayer<plane>::energy_over_open_air(const Gas& gas) const {
   const double c = air_.sound_speed_of(gas.density), c0 = air_.sound_speed();
-  const double over = 0.5 * gas.velocity.squaredNorm() + (c * c - c0 * c0) / (air_.gamma - 1);
-  return {through, through * gas.velocity + pressure_at(gas.density) * normal, through * over};
+  return 0.5 * gas.velocity.squaredNorm() + (c * c - c0 * c0) / (air_.gamma - 1);
+}
+
+// From the gas at the border. On air that is thinner than the open air and leaves faster than sound, the open
+// air acts through a shock alone: the flux is that of a side between the two.
+template <int plane>
+auto AirLayer<plane>::border_flux(const Gas& last, const Place& normal, double outward) const -> Flux {
+  const double along = outward * last.velocity.dot(normal);
+  if (last.density < air_.density && along > air_.sound_speed_of(last.density)) {
+    const Gas open{air_.density};
+    Flux flux = outward > 0 ? hll(last, open, normal) : hll(open, last, normal);
+    flux.energy = outward * flux.mass > 0 ? flux.mass * energy_over_open_air(last) : 0;
+    return flux;
+  }
+  const Gas gas = open_air(last, outward * normal);
+  const double through = gas.density * gas.velocity.dot(normal);
+  return {through, through * gas.velocity + pressure_at(gas.density) * normal,
+          through * energy_over_open_air(gas)};
 }
 
 // Fluxes of all sides, from values on both sides of each; on a line the limited value is van Leer's.
@@ -209,9 +224,7 @@ auto AirLayer<plane>::side_flows(const Eigen::VectorXd& mass, const Field& momen
       flux = hll(gas_of(i, j, arm), gas_of(j, i, -arm), side.normal);
       h = std::min(gap[i], gap[j]);
     } else if (const int last = outlet(side, mass, vents); last >= 0) {
-      const double sign = last == i ? 1 : -1;
-      flux =
-          border_flux(open_air({density[last], flows.velocity.col(last)}, sign * side.normal), side.normal);
+      flux = border_flux({density[last], flows.velocity.col(last)}, side.normal, last == i ? 1 : -1);
       h = gap[last];
     }
     if (flux.mass > 0) flows.leaving[i] += side.length * h * flux.mass;

@@ -97,7 +97,9 @@ class AirLayer {
               const std::vector<std::uint8_t>& vents, double dt) const;
   Flux hll(const Gas& left, const Gas& right, const Place& normal) const;
   Gas open_air(const Gas& last, const Place& normal) const;
-  Flux border_flux(const Gas&, const Place& normal) const;
+  double energy_over_open_air(const Gas&) const;  // [J/kg]
+  /// outward: 1 where the normal of the side leads to the open air, −1 where it leads from it.
+  Flux border_flux(const Gas& last, const Place& normal, double outward) const;
   Field gradient(const Eigen::VectorXd& values, const Eigen::VectorXd& mass) const;
   /// Whether both columns of a side have air.
   static bool joins(const typename AirColumns<plane>::Side& side, const Eigen::VectorXd& mass) {

@@ -152,6 +152,26 @@ TEST(AirLayer, AnOpenedTubeIsChoked) {
   EXPECT_NEAR(state.mass_out / (h * time * density * c) / std::pow(2 / 2.4, 6), 1, 0.02);
 }
 
+// Thin air leaves a tube faster than sound, against the open air. It makes no energy, and the open air fills
+// the tube again.
+TEST(AirLayer, ThinAirThatLeavesFasterThanSoundMakesNoEnergy) {
+  AirProperties air;
+  air.friction = false;
+  const AirLayer<1> layer(air, air_strip(0, a, 10));
+  const double h = 0.0005, m = 0.2 * air.density * h;
+  AirState<1> state;
+  state.mass.setConstant(10, m);
+  state.momentum.setConstant(1, 10, 2.9 * air.sound_speed() * m);
+  state.momentum.leftCols(5) *= -1;
+  state.gap.setConstant(10, h);
+  const double before = layer.energy(state);
+  for (int k = 0; k < 100; ++k) {
+    layer.advance(state, state.gap, 2e-5);
+    ASSERT_LT(layer.energy(state) + state.energy_out, 1.001 * before) << k;
+  }
+  EXPECT_GT(state.mass.minCoeff(), 0.9 * air.density * h);
+}
+
 // e is the work against the open air: none at p0, and −dE = (p − p0) dh.
 TEST(AirLayer, EnergyIsTheWorkOfThePressure) {
   const AirProperties air;
