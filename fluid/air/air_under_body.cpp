@@ -236,7 +236,8 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
   const AirProperties air(keys_);
   const double least = keys_.density * keys_.film;
-  const double compliance = step.dt * step.dt / (step.p.density * 0.5 * step.p.spacing);
+  const double depth = 0.5 * step.p.spacing, c = step.p.sound_speed;
+  const double compliance = (step.dt * step.dt / depth + depth / (c * c)) / step.p.density;  // C of (F82)
   const auto keeps = [&](Eigen::Index i) {
     if (!(state.air_pressure[i] > 0)) return true;
     const bool stiff = keys_.gamma * (keys_.pressure + state.air_pressure[i]) * compliance > state.air_gap[i];
