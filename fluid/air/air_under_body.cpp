@@ -17,6 +17,21 @@ constexpr double disorder = 0.2;      // [l0] by which water in contact may be l
 constexpr double follow_time = 0.01;  // [s] in which the surface comes back to the water's particles
 constexpr double deep = 4;            // [l0] below the surface no particle sees it
 
+/// The water from the surface down to the first row.
+struct HalfRow {
+  template <int dim>
+  explicit HalfRow(const StepData<dim>& step)
+      : depth(0.5 * step.p.spacing),
+        inertia(step.p.density * depth),
+        elastic(depth / (step.p.density * step.p.sound_speed * step.p.sound_speed)) {}
+  /// How far a pressure moves the surface in a step [m/Pa]: C of (F82).
+  double compliance(double dt) const { return dt * dt / inertia + elastic; }
+
+  double depth;    // d [m]
+  double inertia;  // ρ d [kg/m²]
+  double elastic;  // d/(ρ c²) [m/Pa]
+};
+
 }  // namespace
 
 template <int dim>
@@ -236,8 +251,7 @@ void AirUnderBody<dim>::give_over(StepData<dim>& step) {
   State<dim>& state = step.state;
   const AirProperties air(keys_);
   const double least = keys_.density * keys_.film;
-  const double depth = 0.5 * step.p.spacing, c = step.p.sound_speed;
-  const double compliance = (step.dt * step.dt / depth + depth / (c * c)) / step.p.density;  // C of (F82)
+  const double compliance = HalfRow(step).compliance(step.dt);
   const auto keeps = [&](Eigen::Index i) {
     if (!(state.air_pressure[i] > 0)) return true;
     const bool stiff = keys_.gamma * (keys_.pressure + state.air_pressure[i]) * compliance > state.air_gap[i];
@@ -275,15 +289,14 @@ bool AirUnderBody<dim>::is_aired(Eigen::Index column, const StepData<dim>& step)
 template <int dim>
 void AirUnderBody<dim>::advance(StepData<dim>& step) {
   State<dim>& state = step.state;
-  const double l0 = step.p.spacing, dt = step.dt, rho = step.p.density;
+  const double l0 = step.p.spacing, dt = step.dt;
   const Faces face = faces(step);
   // The surface meets the air: w' = w + Δt ((p_water − p)/(ρ d) + g), d = l0/2 down to the first row. That
   // half row is pressed together by d (p − p_before)/(ρ c²).
   const Near fields = near(face, l0);
   const Sample water = sample(step, face, fields);
-  const double depth = 0.5 * l0;
-  const double elastic = depth / (rho * step.p.sound_speed * step.p.sound_speed);
-  const double compliance = dt * dt / (rho * depth) + elastic;
+  const HalfRow row(step);
+  const double compliance = row.compliance(dt);
   for (std::size_t f = 0; f < layer_.size(); ++f) {
     const auto first = first_of(f);
     AirState<plane> air = air_of(state, f);
@@ -302,10 +315,10 @@ void AirUnderBody<dim>::advance(StepData<dim>& step) {
         const double share = lacking < -disorder * l0 ? 1 : std::clamp(air.gap[k] / l0 - 0.25, 0.0, 1.0);
         rise = share * std::min(1.0, dt / follow_time) * lacking +
                dt * (water.velocity[c] + state.air_surface_velocity[c] +
-                     dt * (water.pressure[c] / (rho * depth) + step.gravity[1]));
+                     dt * (water.pressure[c] / row.inertia + step.gravity[1]));
       }
       const double before = air.gap[k],
-                   free_gap = height - state.air_surface[c] - rise - elastic * state.air_pressure[c];
+                   free_gap = height - state.air_surface[c] - rise - row.elastic * state.air_pressure[c];
       air.gap[k] = layer_[f].air().gap_of(air.mass[k], free_gap, compliance);
       // Face and surface do the work (p − p0) A (h − h').
       const double over = layer_[f].air().pressure_of(air.mass[k], air.gap[k]) - keys_.pressure;
