@@ -325,7 +325,11 @@ void end_orphans() {
   for (int round = 0; round < 3; ++round) {  // an orphan may leave orphans
     bool any = false;
     for (pid_t pid : children()) {
-      if (owned().contains(pid) || reap(pid) || !is_descendant(pid)) continue;
+      if (owned().contains(pid) || reap(pid)) continue;
+      if (!is_descendant(pid)) {
+        reap(pid);  // what ends has no environment any more, and may have ended by now
+        continue;
+      }
       any = true;
       kill(pid, SIGKILL);
       const auto end = steady_clock::now() + milliseconds(500);
