@@ -39,9 +39,10 @@ struct CollidingRanks {
 ///              s = 2/(1 + pairs of i or j, the larger)
 ///   both       r' = r + (v'−v) Δt                                                     (F56)
 /// Layers of tank and body have infinite mass. Structure particles have their own mass, but their motion is
-/// not changed; their impulse is added to the account. Pairs are treated one after the other in the order of
-/// the particles. So the result is the same for any number of threads, momentum is exact, and no collision
-/// creates energy. With the least-squares gradient two particles inside the water collide only below 0.7 l0.
+/// not changed; their impulse is added to the account. Pairs are treated one after the other, the closest
+/// first. So the result is the same for any number of threads and any order of the particles, momentum is
+/// exact, and no collision creates energy. With the least-squares gradient two particles inside the water
+/// collide only below 0.7 l0.
 ///
 /// Afterwards a water particle inside a body is put 0.05 l0 outside its face, and one behind a wall of the
 /// tank on the face. Both lose their velocity into the face.

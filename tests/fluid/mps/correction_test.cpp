@@ -112,6 +112,28 @@ TEST(AntiPenetration, TwoParticlesPartWithTheirCoefficientOfRestitution) {
   EXPECT_NEAR(scene.state.velocity(1, 0), 0.5, 1e-12);  // nothing along the contact
 }
 
+// A chain of three, and the same chain in the mirror with the numbers the other way round. While pairs met in
+// the order of their numbers, a symmetric wedge got a side force from its two jets.
+TEST(AntiPenetration, AChainPartsAlikeWhateverTheNumbersOfItsParticles) {
+  for (const AntiPenetration rule : {AntiPenetration::collision, AntiPenetration::average}) {
+    const Eigen::Array3d place(0, 0.45, 0.93), speed(2, 0.5, -1);
+    const auto part = [&](bool mirrored) {
+      Scene scene;
+      scene.p.scheme.anti_penetration = rule;
+      scene.state.position.leftCols(scene.boundary.water()).row(0).array() += 10;  // all others far away
+      for (int k = 0; k < 3; ++k) {
+        scene.state.position.col(k) << (mirrored ? -place[2 - k] : place[k]) * l0, 0.1;
+        scene.state.velocity.col(k) << (mirrored ? -speed[2 - k] : speed[k]), 0;
+      }
+      scene.separate();
+      return Eigen::Array3d(scene.state.velocity.row(0).head(3).transpose());
+    };
+    const Eigen::Array3d one = part(false), other = -part(true).reverse();
+    EXPECT_LT((one - other).abs().maxCoeff(), 1e-12) << one.transpose() << " and " << other.transpose();
+    EXPECT_GT((one - speed).abs().minCoeff(), 0.1);  // all have collided
+  }
+}
+
 // The shear of any flow brings particles past one another at 0.8 l0.
 TEST(AntiPenetration, WaterInsideCollidesOnlyWhenItIsNearerThanAnyShearBringsItWithTheLeastSquaresScheme) {
   for (const double apart : {0.8, 0.65}) {

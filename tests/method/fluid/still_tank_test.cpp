@@ -110,9 +110,10 @@ TEST(StillTank, FloorCarriesTheWeightWithTheMinimumPressureGradient) {
 TEST(StillTank, FloorCarriesTheWeightWithTheCorrectedGradient) {
   expect_weight({Gradient::corrected, 0.3, 0.6, 0.01, 5e-4, 0.05, 0.25});
 }
-// The square lattice deforms under the symmetric gradient, and the water heaves until it has settled.
+// The square lattice deforms under the symmetric gradient, and the water heaves until it has settled. Then
+// the sensor's mean over half a second scatters by 0.6 % (18 means in six tanks), so three times that is used.
 TEST(StillTank, FloorCarriesTheWeightWithTheSymmetricGradientOnceTheLatticeHasSettled) {
-  expect_weight({Gradient::pairwise, 1.0, 0.5, 0.02, 1e-3, 0.5, 1.0});
+  expect_weight({Gradient::pairwise, 1.0, 0.5, 0.02, 1e-3, 0.5, 2.0});
 }
 
 TEST(StillTank, SymmetricGradientClosesTheMomentumAccountToRoundOff) {
