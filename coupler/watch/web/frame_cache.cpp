@@ -1,5 +1,6 @@
 #include "coupler/watch/web/frame_cache.hpp"
 
+#include "coupler/plot/scene.hpp"
 #include "coupler/watch/table_tail.hpp"
 #include "proto/error.hpp"
 #include "proto/files/frame_file.hpp"
@@ -30,6 +31,10 @@ std::size_t bytes_of(const Frame& frame) {
   for (const auto* arrays : {&frame.point_data, &frame.cell_data})
     for (const Frame::Array& array : *arrays) numbers += array.value.size();
   return static_cast<std::size_t>(numbers) * sizeof(double);
+}
+
+Error no_such_frame(const fs::path& path) {
+  return {ExitCode::case_file, path.string(), "there is no such frame", "choose one of the list of frames"};
 }
 
 }  // namespace
@@ -79,7 +84,38 @@ void FrameCache::update() {
 const FrameCache::Series& FrameCache::series(const std::string& side) const {
   static const Series none;
   const auto found = series_.find(names_of(side).front());
-  return found == series_.end() ? none : found->second;
+  if (found != series_.end()) return found->second;
+  return has_interface_alone() ? series_.at("fluid") : none;
+}
+
+// A structure with frames writes its first one with the fluid's, before the second.
+bool FrameCache::has_interface_alone() const {
+  std::error_code none;
+  const auto fluid = series_.find("fluid");
+  return series_.size() == 1 && fluid != series_.end() && fluid->second.entries.size() > 1 &&
+         fs::exists(folder_.parent_path() / "interface", none);
+}
+
+std::shared_ptr<const Frame> FrameCache::read_interface(int number) {
+  const fs::path run = folder_.parent_path();
+  const std::vector<Entry>& entries = series_.at("fluid").entries;
+  const auto entry = std::ranges::find(entries, number, &Entry::number);
+  if (entry == entries.end()) throw no_such_frame(path_of({"fluid", number}));
+  if (!interface_ || interface_->end() < entry->time) interface_ = picture::record_of(run);
+  if (!interface_)
+    throw Error(ExitCode::case_file, (run / "interface").string(), "holds no record that can be read");
+  auto frame = std::make_shared<Frame>();
+  frame->time = entry->time;
+  frame->position = interface_->mesh.position;
+  frame->cells = interface_->mesh.faces;
+  if (!interface_->displacement.empty()) {
+    const Points moved = interface_->displacement_at(frame->time);
+    frame->position += moved;
+    frame->point_data = {{"displacement", "m", moved},
+                         {"velocity", "m/s", interface_->velocity_at(frame->time)}};
+  }
+  parts_ = interface_->mesh.parts;
+  return frame;
 }
 
 std::vector<std::string> FrameCache::names_of(const std::string& side) const {
@@ -91,13 +127,12 @@ std::vector<std::string> FrameCache::names_of(const std::string& side) const {
 }
 
 std::shared_ptr<const Frame> FrameCache::read(const std::string& side, int number) {
+  if (side != "fluid" && has_interface_alone()) return read_interface(number);
   const Key key = {side, number};
   const std::vector<std::string> names = names_of(side);
   const fs::path path = path_of({names.front(), number});
   const std::int64_t when = written_at(path);
-  if (when == 0)
-    throw Error(ExitCode::case_file, path.string(), "there is no such frame",
-                "choose one of the list of frames");
+  if (when == 0) throw no_such_frame(path);
   const auto found =
       std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
   if (found != kept_.end() && found->written == when) {

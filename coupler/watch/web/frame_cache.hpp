@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupler/participant/interface_record.hpp"
 #include "proto/interface.hpp"
 
 #include <cstdint>
@@ -14,7 +15,8 @@
 namespace strake::watch {
 
 /// The output frames of a run under way. Each file is opened once for its time, and the last ones that were
-/// read are kept.
+/// read are kept. A structure that writes no frames, such as a user's program, has its wet interface at the
+/// times of the fluid's frames.
 class FrameCache {
  public:
   explicit FrameCache(std::filesystem::path run_folder) : folder_(std::move(run_folder) / "frames") {}
@@ -47,12 +49,15 @@ class FrameCache {
   };
   std::filesystem::path path_of(const Key&) const;
   std::vector<std::string> names_of(const std::string& side) const;  // of the series that make it up
+  bool has_interface_alone() const;  // no frames of a structure, but a record of its interface
+  std::shared_ptr<const Frame> read_interface(int number);
   std::filesystem::path folder_;
   std::int64_t updated_ = -1;  // [ns] when the folder was last changed, as of the last look
   std::map<std::string, Series> series_;
   std::map<std::string, std::int64_t> damaged_;  // file name → [ns] when it was written
   std::list<Kept> kept_;                         // the latest first
   std::vector<MeshPart> parts_;
+  std::shared_ptr<const InterfaceRecord> interface_;  // as far as it was read
 };
 
 }  // namespace strake::watch

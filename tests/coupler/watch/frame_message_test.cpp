@@ -1,4 +1,5 @@
 // The arrays and frames that the page of a run gets.
+#include "coupler/participant/interface_record.hpp"
 #include "coupler/watch/web/field_view.hpp"
 #include "coupler/watch/web/frame_cache.hpp"
 #include "proto/error.hpp"
@@ -133,6 +134,45 @@ TEST(FrameCache, ListsWholeFramesAloneAndForgetsThoseThatAreGone) {
   cache.update();
   EXPECT_EQ(cache.series("fluid").entries.size(), 2U);
   EXPECT_GT(cache.series("fluid").generation, generation);
+}
+
+// A user's program: the page had shown the water alone.
+TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
+  const RunFiles files;
+  FrameSeries series(files.path(), "fluid", 2);
+  series.write(water(0));
+  series.write(water(0.1));
+  InterfaceMesh mesh{.name = "plate", .dimension = 2, .position = Points::Zero(3, 2)};
+  mesh.position(0, 1) = 1;
+  mesh.faces = Eigen::Vector2i(0, 1);
+  mesh.parts = {{"left", 0, 0}, {"right", 1, 1}};
+  FrameCache cache(files.path());
+  cache.update();
+  EXPECT_TRUE(cache.series("structure").entries.empty());
+  const auto record = [&](int windows) {
+    InterfaceRecorder recorder(files.path(), mesh, {});
+    for (int k = 0; k < windows; ++k)
+      recorder.append({0.05 * k, 0.05}, Points::Constant(3, 2, -0.1 * (k + 1)), Points::Constant(3, 2, -2),
+                      Points::Zero(3, 2));
+    recorder.flush();
+  };
+  record(1);
+  ASSERT_EQ(cache.series("structure").entries.size(), 2U);
+  EXPECT_NEAR(cache.read("structure", 1)->position(0, 1), 0.9, 1e-12);  // as far as it is known
+  record(2);
+  const auto frame = cache.read("structure", 1);
+  EXPECT_NEAR(frame->position(0, 1), 0.8, 1e-12);
+  EXPECT_EQ(frame->time, 0.1);
+  EXPECT_EQ(frame->cells, mesh.faces);
+  ASSERT_EQ(cache.parts().size(), 2U);
+  EXPECT_EQ(cache.parts()[1].name, "right");
+  EXPECT_THROW(cache.read("structure", 2), Error);
+  const Read drawn(field_message(*frame, {.side = "structure", .field = ""}).bytes());
+  EXPECT_EQ(drawn.head["arrays"]["edge"]["count"], 2);
+  FrameSeries(files.path(), "structure", 2).write(plate(0));
+  cache.update();
+  EXPECT_EQ(cache.series("structure").entries.size(), 1U);
+  EXPECT_GT(cache.read("structure", 0)->position.cols(), 2);
 }
 
 }  // namespace
