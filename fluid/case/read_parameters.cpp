@@ -250,12 +250,12 @@ void read_air(CaseTable t, AirKeys& air) {
 
 void check_air(CaseTable fluid, const CommonKeys& common, const Parameters& p) {
   CaseTable air = fluid.table("air");
-  if (p.scheme.gradient != Gradient::least_squares)
-    throw air.error("layer", "false with this scheme: air belongs to gradient = \"least-squares\"",
-                    "preset = \"improved\", or layer = false");
   if (common.interface == "volume")
     throw air.error("layer", "false with coupling.interface = \"volume\"",
                     "coupling.interface = \"surface\", or layer = false");
+  if (p.scheme.gradient != Gradient::least_squares)
+    throw air.error("layer", "false with this scheme: air belongs to gradient = \"least-squares\"",
+                    "preset = \"improved\", or layer = false");
   if (common.structure_solver == "none")
     throw air.error("layer", "false: there is no body", "a structure, or layer = false");
   if (p.dimension == 3 && p.air.columns != 1)

@@ -158,6 +158,20 @@ TEST(FluidKeys, a_wrong_key_or_value_is_refused_with_its_name) {
   expect_in(error_of({"fluid.scheme.source.gamma=0.01", "fluid.scheme.source.tau=0.01"}), "not both");
 }
 
+// The cause in the case is what is named: volume coupling has another gradient than least-squares too.
+TEST(FluidKeys, air_is_refused_where_it_is_not_computed) {
+  const auto with_air = [](std::vector<std::string> sets) {
+    sets.push_back("fluid.air.layer=true");
+    return error_of(sets);
+  };
+  EXPECT_EQ(with_air({"structure.solver=rigid"}), "no error");
+  expect_in(with_air({"structure.solver=particle", "coupling.interface=volume"}),
+            "coupling.interface = \"surface\"");
+  expect_in(with_air({"structure.solver=rigid", "preset=paper"}), "preset = \"improved\"");
+  expect_in(with_air({"structure.solver=none"}), "there is no body");
+  expect_in(with_air({"structure.solver=rigid", "fluid.air.pressure=0"}), "fluid.air.pressure");
+}
+
 TEST(FluidKeys, a_time_step_longer_than_the_window_is_refused) {
   expect_in(error_of({"fluid.scheme.time_step=1e-4"}), "fluid.scheme.time_step");
   EXPECT_EQ(read_with({"coupling.surface.window=1e-6"}).scheme.time_step, 1e-6);  // the default yields
