@@ -142,7 +142,9 @@ TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
   FrameSeries series(files.path(), "fluid", 2);
   series.write(water(0));
   series.write(water(0.1));
-  InterfaceMesh mesh{.name = "plate", .dimension = 2, .position = Points::Zero(3, 2)};
+  InterfaceMesh mesh;
+  mesh.dimension = 2;
+  mesh.position = Points::Zero(3, 2);
   mesh.position(0, 1) = 1;
   mesh.faces = Eigen::Vector2i(0, 1);
   mesh.parts = {{"left", 0, 0}, {"right", 1, 1}};
@@ -167,7 +169,8 @@ TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
   ASSERT_EQ(cache.parts().size(), 2U);
   EXPECT_EQ(cache.parts()[1].name, "right");
   EXPECT_THROW(cache.read("structure", 2), Error);
-  const Read drawn(field_message(*frame, {.side = "structure", .field = ""}).bytes());
+  const Read drawn(
+      field_message(*frame, {.side = "structure", .field = "", .dimension = 2, .keys = {}}).bytes());
   EXPECT_EQ(drawn.head["arrays"]["edge"]["count"], 2);
   FrameSeries(files.path(), "structure", 2).write(plate(0));
   cache.update();
