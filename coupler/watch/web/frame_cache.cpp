@@ -56,8 +56,10 @@ void FrameCache::update() {
   for (auto& [side, series] : series_) {
     const auto& numbers = there[side];
     if (std::erase_if(series.entries, [&](const Entry& entry) { return !numbers.contains(entry.number); }) >
-        0)
+        0) {
       ++series.generation;
+      interface_.reset();  // a resumed run writes it anew from there
+    }
   }
   for (const auto& [side, numbers] : there) {
     Series& series = series_[side];

@@ -151,17 +151,17 @@ TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
   FrameCache cache(files.path());
   cache.update();
   EXPECT_TRUE(cache.series("structure").entries.empty());
-  const auto record = [&](int windows) {
+  const auto record = [&](int windows, double down) {
     InterfaceRecorder recorder(files.path(), mesh, {});
     for (int k = 0; k < windows; ++k)
-      recorder.append({0.05 * k, 0.05}, Points::Constant(3, 2, -0.1 * (k + 1)), Points::Constant(3, 2, -2),
+      recorder.append({0.05 * k, 0.05}, Points::Constant(3, 2, -down * (k + 1)), Points::Constant(3, 2, -2),
                       Points::Zero(3, 2));
     recorder.flush();
   };
-  record(1);
+  record(1, 0.1);
   ASSERT_EQ(cache.series("structure").entries.size(), 2U);
   EXPECT_NEAR(cache.read("structure", 1)->position(0, 1), 0.9, 1e-12);  // as far as it is known
-  record(2);
+  record(2, 0.1);
   const auto frame = cache.read("structure", 1);
   EXPECT_NEAR(frame->position(0, 1), 0.8, 1e-12);
   EXPECT_EQ(frame->time, 0.1);
@@ -169,6 +169,15 @@ TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
   ASSERT_EQ(cache.parts().size(), 2U);
   EXPECT_EQ(cache.parts()[1].name, "right");
   EXPECT_THROW(cache.read("structure", 2), Error);
+  // Resumed from the start: the frame is gone, and comes again with other values.
+  const std::filesystem::path second = files.path() / "frames/fluid-000001.h5";
+  std::filesystem::rename(second, files.path() / "second");
+  cache.update();
+  std::filesystem::remove_all(files.path() / "interface");
+  record(3, 0.2);
+  std::filesystem::rename(files.path() / "second", second);
+  cache.update();
+  EXPECT_NEAR(cache.read("structure", 1)->position(0, 1), 0.6, 1e-12);
   const Read drawn(
       field_message(*frame, {.side = "structure", .field = "", .dimension = 2, .keys = {}}).bytes());
   EXPECT_EQ(drawn.head["arrays"]["edge"]["count"], 2);
