@@ -3,6 +3,7 @@
 #include "fluid/diagnostics/energy_and_gauges.hpp"
 #include "fluid/level_face.hpp"
 #include "proto/error.hpp"
+#include "proto/geometry/face_direction.hpp"
 #include "proto/peak_memory.hpp"
 
 #include <Eigen/Geometry>
@@ -128,7 +129,8 @@ template <int dim>
 FluidParticipant<dim>::FluidParticipant(const Parameters& parameters, const CommonKeys& common,
                                         const Setup& setup, const Ranks& ranks)
     : parameters_(parameters),
-      body_sizes_(extents(setup.partner_mesh)),
+      bodies_{extents(setup.partner_mesh),
+              std::abs(enclosed_volume(setup.partner_mesh.faces, setup.partner_mesh.position))},
       simulation_(parameters, setup.partner_mesh, initial_velocity(setup), ranks),
       start_speeds_{.entry = entry_speed(parameters, common, setup),
                     .water = parameters.initial_velocity.is_zero() ? 0 : simulation_.fastest().value},

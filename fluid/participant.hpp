@@ -94,7 +94,10 @@ class FluidParticipant final : public Participant {
   State<dim> read_checkpoint(const std::filesystem::path&, Archive&) const;
 
   Parameters parameters_;
-  std::vector<Eigen::Vector2d> body_sizes_;  // [m] extents of the bodies along x and z
+  struct Bodies {
+    std::vector<Eigen::Vector2d> sizes;  // [m] of each along x and z
+    double volume;                       // [m²], in space [m³]: of all
+  } bodies_;
   Simulation<dim> simulation_;
   /// How contact is found (cases/VALIDATION.md, "Definitions").
   struct ContactSearch {

@@ -258,30 +258,32 @@ void FluidParticipant<dim>::report_ranks(std::map<std::string, double>& monitor)
 template <int dim>
 double FluidParticipant<dim>::body_width() const {
   double widest = 0;
-  for (const Eigen::Vector2d& size : body_sizes_) widest = std::max(widest, size[0]);
+  for (const Eigen::Vector2d& size : bodies_.sizes) widest = std::max(widest, size[0]);
   return widest;
 }
 
 /// Returns 2ρV times the `moved_water` of all bodies. Where nothing enters it is the largest impulse so far,
 /// or the mass of the water times the largest speed that the case gives it, where that is more. With a body
-/// that stands in the water under gravity only the impulse on bodies counts. Gravity and walls carry the
-/// weight of the whole tank: beside that no gap shows, and the less the larger the tank.
+/// that stands in the water under gravity only the impulse on bodies counts, and at least that of the weight
+/// of the water in their place: loads on the two sides of a wall cancel. Gravity and walls carry the weight
+/// of the whole tank: beside that no gap shows, and the less the larger the tank. In a tank that moves they
+/// count too, because its walls move the water.
 template <int dim>
 double FluidParticipant<dim>::momentum_scale() const {
   const State<dim>& state = simulation_.state();
   double moved = 0;
-  for (const Eigen::Vector2d& size : body_sizes_) moved += moved_water<dim>(parameters_, size);
+  for (const Eigen::Vector2d& size : bodies_.sizes) moved += moved_water<dim>(parameters_, size);
   const double scale = 2 * parameters_.density * start_speeds_.entry * moved;
   if (scale > 0) return scale;
-  const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
-  const double own =
-      start_speeds_.water > 0
-          ? mass * static_cast<double>(simulation_.ranks().sum(std::ssize(own_water()))) * start_speeds_.water
-          : 0;
-  const double on_bodies = state.impulse_on_bodies.norm();
-  if (parameters_.submerged && on_bodies > 0 && parameters_.gravity.norm() > 0)
-    return std::max(on_bodies, own);
-  return std::max({state.impulse_of_gravity.norm(), state.impulse_on_walls.norm(), on_bodies, own});
+  const auto water = [&] {  // [m²], in space [m³]
+    return std::pow(parameters_.spacing, dim) *
+           static_cast<double>(simulation_.ranks().sum(std::ssize(own_water())));
+  };
+  const double own = start_speeds_.water > 0 ? parameters_.density * water() * start_speeds_.water : 0;
+  const double on_bodies = state.impulse_on_bodies.norm(), by_gravity = state.impulse_of_gravity.norm();
+  if (parameters_.submerged && !parameters_.motion.moves() && on_bodies > 0 && by_gravity > 0)
+    return std::max({on_bodies, own, by_gravity * bodies_.volume / water()});
+  return std::max({by_gravity, state.impulse_on_walls.norm(), on_bodies, own});
 }
 
 /// Returns |momentum not accounted for| over `momentum_scale`.

@@ -94,4 +94,11 @@ bool orient(Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& position) {
   return true;
 }
 
+// The origin is a point of the body, so that round-off stays small.
+double enclosed_volume(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& position) {
+  double sum = 0;
+  for (Index f = 0; f < faces.cols(); ++f) sum += enclosed(faces, f, position, position.col(0));
+  return sum / (faces.rows() == 2 ? 2 : 6);
+}
+
 }  // namespace strake

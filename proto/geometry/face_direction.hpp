@@ -10,4 +10,8 @@ namespace strake {
 /// only.
 bool orient(Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& position);
 
+/// Area [m²] per metre of depth, or volume [m³], inside a closed surface, by Green's theorem. Positive if its
+/// normals point into the fluid; 0 without faces.
+double enclosed_volume(const Eigen::MatrixXi& faces, const Eigen::Matrix3Xd& position);
+
 }  // namespace strake

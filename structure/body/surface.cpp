@@ -220,22 +220,4 @@ double ramp_factor(double t, double ramp) {
   return t <= 0 ? 0 : 0.5 * (1 - std::cos(std::numbers::pi * t / ramp));
 }
 
-// Sums ½ a×b over segments, or ⅙ a·(b×c) over triangles. The origin is a point near the body, so that
-// round-off stays small.
-double enclosed_volume(const InterfaceMesh& mesh) {
-  double volume = 0;
-  const Eigen::Vector3d origin = mesh.position.col(0);
-  for (Eigen::Index f = 0; f < mesh.faces.cols(); ++f) {
-    const Eigen::Vector3d a = mesh.position.col(mesh.faces(0, f)) - origin,
-                          b = mesh.position.col(mesh.faces(1, f)) - origin;
-    if (mesh.faces.rows() == 2) {
-      volume += 0.5 * (a.x() * b.y() - b.x() * a.y());
-    } else {
-      const Eigen::Vector3d c = mesh.position.col(mesh.faces(2, f)) - origin;
-      volume += a.dot(b.cross(c)) / 6;
-    }
-  }
-  return volume;
-}
-
 }  // namespace strake::structure

@@ -52,8 +52,4 @@ LoadedFaces loaded_faces(const Parameters&, const InterfaceMesh&);
 /// Factor of a ramp: ½(1 − cos(πt/T)) for t < T, else 1; 1 throughout for T = 0.
 double ramp_factor(double t, double ramp);
 
-/// Area [m²] per metre of depth, or volume [m³], inside a closed surface, by Green's theorem. Positive if its
-/// normals point into the fluid.
-double enclosed_volume(const InterfaceMesh&);
-
 }  // namespace strake::structure

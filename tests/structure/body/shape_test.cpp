@@ -1,5 +1,6 @@
 #include "structure/body/shape.hpp"
 
+#include "proto/geometry/face_direction.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/solid_surface.hpp"
 #include "structure/body/surface.hpp"
@@ -136,7 +137,7 @@ TEST(SolidSurface, APrismIsClosedFacesOutAndHasItsVolumeAndSurface) {
   const std::vector<Vector2d> ell = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   const InterfaceMesh mesh = prism_surface(outline(ell, 0.1), 0.75, 0.2, 0.1);
   expect_closed(mesh);
-  EXPECT_NEAR(enclosed_volume(mesh), 3 * 0.75, 1e-12);
+  EXPECT_NEAR(enclosed_volume(mesh.faces, mesh.position), 3 * 0.75, 1e-12);
   EXPECT_NEAR(point_sizes(mesh).sum(), 2 * 3 + 8 * 0.75, 1e-12);
   EXPECT_NEAR(mesh.position.row(2).minCoeff(), 0.2 - 0.375, 1e-15);
   // Triangles of about the spacing: none is a sliver and none is large.
@@ -158,14 +159,14 @@ TEST(SolidSurface, AWedgePrismIsClosedAtItsSharpEnds) {
   p.shape.depth = 0.3;
   const InterfaceMesh mesh = surface(p);
   expect_closed(mesh);
-  EXPECT_NEAR(enclosed_volume(mesh), 0.0625 * std::tan(10 * degree) * 0.3, 1e-14);
+  EXPECT_NEAR(enclosed_volume(mesh.faces, mesh.position), 0.0625 * std::tan(10 * degree) * 0.3, 1e-14);
 }
 
 TEST(SolidSurface, ASphereIsClosedAndHasItsVolume) {
   const InterfaceMesh mesh = sphere_surface({1, 2, 3}, 0.5, 0.1);
   expect_closed(mesh);
   EXPECT_EQ(mesh.position.cols(), 2 + mesh.faces.cols() / 2);  // Euler
-  EXPECT_NEAR(enclosed_volume(mesh), 4.0 / 3 * pi * 0.125, 1e-13);
+  EXPECT_NEAR(enclosed_volume(mesh.faces, mesh.position), 4.0 / 3 * pi * 0.125, 1e-13);
   EXPECT_LT((mesh.position.rowwise().mean() - Vector3d(1, 2, 3)).norm(), 1e-14);
   EXPECT_NEAR(point_sizes(mesh).sum() / pi, 1, 0.02);  // chords
 }

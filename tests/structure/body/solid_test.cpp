@@ -1,6 +1,7 @@
 #include "structure/body/solid.hpp"
 
 #include "proto/error.hpp"
+#include "proto/geometry/face_direction.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/shape.hpp"
 #include "structure/body/surface.hpp"
@@ -154,7 +155,7 @@ TEST(Solid, ASolidBoxOfThreeDimensionsHasAClosedSurface) {
   const Solid solid = solid_of_boxes(3, parts);
   EXPECT_TRUE(fault_of(solid).problem.empty());
   const InterfaceMesh mesh = outer_surface(solid, 0.05);
-  EXPECT_NEAR(enclosed_volume(mesh), 0.05 + 0.01, 1e-12);
+  EXPECT_NEAR(enclosed_volume(mesh.faces, mesh.position), 0.05 + 0.01, 1e-12);
   EXPECT_NEAR(mass_of(solid).mass, 1000 * 0.06, 1e-9);
   // closed: the vector areas cancel
   Vector3d sum = Vector3d::Zero();
@@ -176,7 +177,8 @@ TEST(Solid, ACavityOfThreeDimensionsIsDry) {
   parts.push_back(light_box("back", {t, t, 0}, {1 - t, 1 - t, t}));
   parts.push_back(light_box("front", {t, t, 1 - t}, {1 - t, 1 - t, 1}));
   const Solid solid = solid_of_boxes(3, parts);
-  EXPECT_NEAR(enclosed_volume(outer_surface(solid, 0.25)), 1, 1e-12);
+  const InterfaceMesh outer = outer_surface(solid, 0.25);
+  EXPECT_NEAR(enclosed_volume(outer.faces, outer.position), 1, 1e-12);
   EXPECT_NEAR(mass_of(solid).mass, 1000 * (1 - 0.8 * 0.8 * 0.8), 1e-9);
   EXPECT_EQ(cell_at(solid, {0.5, 0.5, 0.5}, 1e-9), -1);
   EXPECT_GE(cell_at(solid, {0.05, 0.5, 0.5}, 1e-9), 0);

@@ -1,5 +1,6 @@
 #include "structure/body/surface.hpp"
 
+#include "proto/geometry/face_direction.hpp"
 #include "structure/rigid/rigid.hpp"
 #include "tests/structure/body/boxes.hpp"
 #include "tests/structure/paper_plate.hpp"
@@ -19,7 +20,7 @@ TEST(Surface, OutlineIsClosedCounterClockwiseAndHasTheCornersAsPoints) {
   Plate plate{.length = 0.4, .thickness = 0.02, .bottom = {0.1, 0.012, 0}};
   const InterfaceMesh mesh = outline(plate, 0.01);
   EXPECT_EQ(mesh.position.cols(), 2 * (40 + 2));
-  EXPECT_NEAR(enclosed_volume(mesh), 0.4 * 0.02, 1e-15);  // positive: counter-clockwise
+  EXPECT_NEAR(enclosed_volume(mesh.faces, mesh.position), 0.4 * 0.02, 1e-15);  // positive: counter-clockwise
   EXPECT_NEAR(point_sizes(mesh).sum(), 2 * 0.42, 1e-14);
   for (const double x : {-0.1, 0.3})
     for (const double y : {0.012, 0.032})

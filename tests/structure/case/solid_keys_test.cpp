@@ -1,5 +1,6 @@
 #include "proto/case/case_file.hpp"
 #include "proto/error.hpp"
+#include "proto/geometry/face_direction.hpp"
 #include "structure/body/mass.hpp"
 #include "structure/body/mechanism.hpp"
 #include "structure/body/parameters.hpp"
@@ -48,6 +49,11 @@ void refuses(const std::string& structure, const std::string& part, const std::v
       EXPECT_NE(e.where().find("case.toml"), std::string::npos) << to_text(e);
     }
   }
+}
+
+double volume_of_body(const Parameters& p) {
+  const InterfaceMesh mesh = surface(p);
+  return enclosed_volume(mesh.faces, mesh.position);
 }
 
 TEST(BodyKeys, AnElasticBodyOfWhichAllPartsAreHeldIsRefused) {
@@ -186,17 +192,17 @@ TEST(BodyKeys, AWedgeIsGivenByWidthOrByDraught) {
 
 TEST(BodyKeys, OutlineCylinderAndSphereAreShapes) {
   const Parameters p = read_body("outline = [[0, 0], [0.4, 0], [0.4, 0.2], [0, 0.2]]\n");
-  EXPECT_NEAR(enclosed_volume(surface(p)), 0.08, 1e-15);
+  EXPECT_NEAR(volume_of_body(p), 0.08, 1e-15);
   const Parameters c = read_body("cylinder = { radius = 0.1, centre = [0, 0.1] }\n");
-  EXPECT_NEAR(enclosed_volume(surface(c)), std::numbers::pi * 0.01, 1e-15);
+  EXPECT_NEAR(volume_of_body(c), std::numbers::pi * 0.01, 1e-15);
   const Parameters s = read_body("sphere = { radius = 0.1 }\n", {"fluid.dimension=3"});
-  EXPECT_NEAR(enclosed_volume(surface(s)), 4.0 / 3 * std::numbers::pi * 0.001, 1e-15);
+  EXPECT_NEAR(volume_of_body(s), 4.0 / 3 * std::numbers::pi * 0.001, 1e-15);
   const Parameters w =
       read_body("wedge = { deadrise = 30, width = 0.5 }\ndepth = 1.0\n", {"fluid.dimension=3"});
   EXPECT_EQ(surface(w).dimension, 3);
   const Parameters b =
       read_body("plate = { length = 0.4, thickness = 0.1 }\ndepth = 0.3\n", {"fluid.dimension=3"});
-  EXPECT_NEAR(enclosed_volume(surface(b)), 0.012, 1e-15);
+  EXPECT_NEAR(volume_of_body(b), 0.012, 1e-15);
 }
 
 TEST(BodyKeys, OffsetsFinerThanTheWaterAreRead) {
@@ -215,7 +221,7 @@ TEST(BodyKeys, OffsetsFinerThanTheWaterAreRead) {
     EXPECT_LT(p.shape.corner.size(), 240u);
     EXPECT_EQ(std::ssize(p.shape.corner) + p.shape.unseen, 720);
     for (const Eigen::Vector2d& x : p.shape.corner) EXPECT_NEAR(x.norm(), radius, 1e-9);
-    EXPECT_NEAR(enclosed_volume(surface(p)), std::numbers::pi * radius * radius, 0.004 * radius * radius);
+    EXPECT_NEAR(volume_of_body(p), std::numbers::pi * radius * radius, 0.004 * radius * radius);
   }
 }
 
