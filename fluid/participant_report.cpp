@@ -275,14 +275,15 @@ double FluidParticipant<dim>::momentum_scale() const {
   for (const Eigen::Vector2d& size : bodies_.sizes) moved += moved_water<dim>(parameters_, size);
   const double scale = 2 * parameters_.density * start_speeds_.entry * moved;
   if (scale > 0) return scale;
-  const auto water = [&] {  // [m²], in space [m³]
-    return std::pow(parameters_.spacing, dim) *
-           static_cast<double>(simulation_.ranks().sum(std::ssize(own_water())));
-  };
-  const double own = start_speeds_.water > 0 ? parameters_.density * water() * start_speeds_.water : 0;
+  const double mass = parameters_.density * std::pow(parameters_.spacing, dim);
+  const double own =
+      start_speeds_.water > 0
+          ? mass * static_cast<double>(simulation_.ranks().sum(std::ssize(own_water()))) * start_speeds_.water
+          : 0;
   const double on_bodies = state.impulse_on_bodies.norm(), by_gravity = state.impulse_of_gravity.norm();
-  if (parameters_.submerged && !parameters_.motion.moves() && on_bodies > 0 && by_gravity > 0)
-    return std::max({on_bodies, own, by_gravity * bodies_.volume / water()});
+  if (parameters_.submerged && !parameters_.motion.moves() && on_bodies > 0 && initial_volume_ > 0 &&
+      by_gravity > 0)
+    return std::max({on_bodies, own, by_gravity * bodies_.volume / initial_volume_});
   return std::max({by_gravity, state.impulse_on_walls.norm(), on_bodies, own});
 }
 
