@@ -8,6 +8,7 @@ import re
 import signal
 import struct
 import termios
+import threading
 
 from processes import *  # noqa: F403: the test's own vocabulary
 
@@ -15,6 +16,7 @@ CASE = ROOT / "cases" / "plate_entry.toml"
 RIGID = [CASE, "--set", "structure.solver=rigid", "--set", "fluid.scheme.time_step=1e-5"]
 QUICK, SHORT = [*RIGID, "--set", "end_time=2.3e-3"], [*RIGID, "--set", "end_time=1.2e-3"]
 BAR = re.compile(r"^ *\d+ % \[")
+END = b"\0"  # written to the terminal after the last letter of the command
 
 
 class Screen:
@@ -78,22 +80,25 @@ def on_terminal(words, width, cwd, then=None):
     environment = dict(ENV, TERM="xterm", LANG="C.UTF-8", LC_ALL="C.UTF-8")
     process = subprocess.Popen([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
                                stdout=end_of_process, stderr=end_of_process)
-    os.close(end_of_process)
+
+    # This end of the terminal stays open. Linux may drop what is not read yet when the last of them is closed.
+    def mark_end():
+        process.wait()
+        os.write(end_of_process, END)
+
+    waiting = threading.Thread(target=mark_end)
+    waiting.start()
     screen, letters = Screen(width), b""
-    while True:
-        try:
-            piece = os.read(terminal, 65536)
-        except OSError:  # the process has closed its end
-            break
-        if not piece:
-            break
-        letters += piece
-        whole = letters.decode("utf-8", errors="ignore")
-        if whole.encode() == letters:  # no letter is cut in two
+    while not letters.endswith(END):
+        letters += os.read(terminal, 65536)
+        whole = letters.removesuffix(END).decode("utf-8", errors="ignore")
+        if whole.encode() == letters.removesuffix(END):  # no letter is cut in two
             screen.take(whole)
-            letters = b""
+            letters = letters[len(whole.encode()):]
         if then:
             then(process, screen, terminal)
+    waiting.join()
+    os.close(end_of_process)
     os.close(terminal)
     return process.wait(timeout=60), screen
 
