@@ -81,7 +81,7 @@ def on_terminal(words, width, cwd, then=None):
     process = subprocess.Popen([str(BIN / "strake"), *map(str, words)], cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
                                stdout=end_of_process, stderr=end_of_process)
 
-    # This end of the terminal stays open. Linux may drop what is not read yet when the last of them is closed.
+    # This end of the terminal stays open. Else what is not read yet may be lost when the command closes its own (seen once).
     def mark_end():
         process.wait()
         os.write(end_of_process, END)
