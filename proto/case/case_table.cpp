@@ -1,6 +1,7 @@
 // Declarations of numbers, flags, vectors and boxes, and the tables they stand in. Texts: case_text.cpp.
 #include "proto/case/case_declare.hpp"
 #include "proto/text.hpp"
+#include "proto/visible.hpp"
 
 #include <fmt/format.h>
 
@@ -27,8 +28,7 @@ std::string range_text(double min, double max, bool exclusive) {
 
 /// Magnitudes of a quantity that any ship, model or laboratory has; what lies beyond is a slip of the pen.
 struct Magnitude {
-  double smallest;  // of a quantity that must not be zero
-  double largest;
+  double smallest, largest;  // the former of a quantity that must not be zero
 };
 
 /// Gives the limits of a quantity by its unit; they are wide for a unit that is not known. They keep squares,
@@ -45,8 +45,7 @@ Magnitude magnitude_of(const std::string& unit) {
   return found == known.end() ? Magnitude{1e-16, 1e15} : found->second;
 }
 
-/// Bounds that a key declares, narrowed to what its unit allows. A number that must be greater than 0 begins
-/// at the smallest magnitude.
+/// Bounds that a key declares, within its unit's magnitudes; a number greater than 0 begins at the smallest.
 NumberKey within_magnitude(NumberKey key) {
   const Magnitude magnitude = magnitude_of(key.unit);
   if (key.exclusive && key.min == 0 && magnitude.smallest < key.max) {
@@ -81,8 +80,7 @@ std::string without_unit(const std::string& text, const std::string& unit) {
   return {};
 }
 
-/// The number of a node, if it is one. A --set value that TOML does not take for a number (.5) may still be
-/// one.
+/// The number of a node, if it is one; also of a --set value that TOML does not take for a number (.5).
 std::optional<double> as_number(const toml::node& node, const CaseFile::Document::Set* set) {
   if (const auto* v = node.as_floating_point()) return v->get();
   if (const auto* v = node.as_integer()) return static_cast<double>(v->get());
@@ -151,6 +149,8 @@ Error Declaration::wrong(const std::string& what, const std::string& fix, const 
   std::string advice = fix;
   if (advice.empty() && !info.default_value.empty() && default_passes)
     advice = name() + " = " + info.default_value + " is the default";
+  if (advice.empty() && what == expected && !info.limits.unless.empty())
+    advice = "another shape has a key of its own: " + joined(info.limits.unless);
   if (advice.empty() && document_.explained) advice = "strake explain " + info.path;
   return document_.wrong(info.path, "expected " + what, advice, part);
 }

@@ -78,6 +78,10 @@ TEST(TankKeys, a_polygon_stands_in_place_of_the_box) {
                    std::string("water = [[-0.2, 0.0], [1.0, 0.4]]\n"),
                "no wall stands between (-0.2, 0.6) and (0, 0)");
   expect_error("dimension = 3\n" + polygon + "water = [[-0.2, 0.0], [1.0, 0.4]]\n", "three dimensions");
+  expect_error(
+      "tank = { polygon = [[-0.2, 0.6], [0.0, 0.0], [1.0, 0.6]] }\n"
+      "water = [[0.0, 0.0], [1.0, 0.4]]\n",
+      "another shape has a key of its own: tank_polygon");
 }
 
 TEST(TankKeys, water_may_be_boxes_and_polygons) {
