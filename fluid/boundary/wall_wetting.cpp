@@ -205,7 +205,8 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
   const std::int64_t bodies = boundary.first_of_bodies();
   const bool begins = fades() && state.wet_part.size() != n - bodies;
   if (begins) state.wet_part.setZero(n - bodies);
-#pragma omp parallel for schedule(static)
+  double gap = std::numeric_limits<double>::infinity();  // [l0]
+#pragma omp parallel for schedule(static) reduction(min : gap)
   for (std::int64_t j = boundary.water(); j < n; ++j) {
     const auto k = static_cast<std::size_t>(j);
     if (boundary.master_of(j) >= 0 || state.kind[k] == Kind::solid) continue;
@@ -220,6 +221,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     if (!aired.empty() && j >= boundary.first_of_bodies())
       is_wet = is_wet && !aired[static_cast<std::size_t>(boundary.point_of(j))];
     const bool joins = is_wet && was_dry && state.step > 0 && j >= bodies && !fades();
+    if (!is_wet && j >= bodies) gap = std::min(gap, nearest.height - joining_height);
     joins_[k] = joins && !boundary.volume() ? nearest.particle : -1;
     state.surface[k] = is_wet ? 0 : 1;
     wet_[k] = is_wet ? 1 : 0;
@@ -228,6 +230,7 @@ void WallContact<dim>::update(const Boundary<dim>& boundary, State<dim>& state, 
     bare_[j - first_] = begins ? wet_[k] : faded(state, j, nearest.particle, part, time, is_wet);
     wet_[k] = bare_[j - first_] > 0 ? 1 : 0;
   }
+  contact_gap_ = spacing_ * gap;
   ranks.update_layers(state.surface, boundary.water());
   ranks.update_layers(wet_, boundary.water());
   if (!boundary.body_surface().empty()) ranks.update_layers(bare_, 0);

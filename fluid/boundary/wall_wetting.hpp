@@ -70,6 +70,8 @@ class WallContact {
   };
   /// Those of the last `update`, in order.
   const std::vector<Joined>& joined() const { return joined_; }
+  /// Returns how much nearer water must come to make the next face of a body wet [m], at the last `update`.
+  double contact_gap() const { return contact_gap_; }
   bool corner(std::int64_t row) const { return corner_[static_cast<std::size_t>(row)] != 0; }
   /// Returns the normal of the face, into the water. Corners have none.
   Vector<dim> normal(std::int64_t row) const { return axis_.col(row - first_); }
@@ -95,7 +97,7 @@ class WallContact {
   double faded(const State<dim>&, std::int64_t row, std::int64_t nearest, double part, double time,
                bool is_wet) const;
   double find_bare(const Boundary<dim>&, const State<dim>&, std::int64_t row) const;
-  double spacing_, least_speed_;
+  double spacing_, least_speed_, contact_gap_ = std::numeric_limits<double>::infinity();
   std::int64_t first_;  // layer particle
   Vectors<dim> axis_;   // normal of a face; direction of an edge between two walls; zero in a corner
   Eigen::VectorXd depth_, bare_;

@@ -148,10 +148,17 @@ double LeastSquaresScheme<dim>::passing_time(const Boundary<dim>& boundary, cons
   return std::max(passing(tangent), film_.share[face.nearest] * passing(least_squares_constants().steepest));
 }
 
+/// Takes from the lag of a particle what fades in one step.
 template <int dim>
-void LeastSquaresScheme<dim>::fade_lag(State<dim>& state, std::int64_t i, double time) {
-  const double left = std::max(0.0, std::abs(state.face_lag[i]) - time * state.face_lag_rate[i]);
+void LeastSquaresScheme<dim>::fade_lag(State<dim>& state, std::int64_t i) const {
+  const double left = std::max(0.0, std::abs(state.face_lag[i]) - now_.fading * state.face_lag_rate[i]);
   state.face_lag[i] = std::copysign(left, state.face_lag[i]);
+}
+
+template <int dim>
+void LeastSquaresScheme<dim>::fade_lags(const Boundary<dim>& boundary, State<dim>& state) const {
+  for (std::int64_t i = 0; i < boundary.water(); ++i)
+    if (state.face_lag[i] != 0) fade_lag(state, i);
 }
 
 /// Sets the lag of the water beside faces that have just become wet, so that its equation does not change by
@@ -227,7 +234,7 @@ void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>& boundary, State<dim>&
                               std::abs(lag));
   state.face_lag[i] = time > 0 ? lag : 0;
   state.face_lag_rate[i] = time > 0 ? std::abs(lag) / time : 0;
-  fade_lag(state, i, now_.configuration);
+  fade_lag(state, i);
 }
 
 #define STRAKE_INSTANTIATE(dim)                                                                             \
@@ -240,7 +247,7 @@ void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>& boundary, State<dim>&
   template double LeastSquaresScheme<dim>::passing_time(                                                    \
       const Boundary<dim>&, const State<dim>&, const Neighbours&, const typename WallContact<dim>::Joined&) \
       const;                                                                                                \
-  template void LeastSquaresScheme<dim>::fade_lag(State<dim>&, std::int64_t, double);                       \
+  template void LeastSquaresScheme<dim>::fade_lags(const Boundary<dim>&, State<dim>&) const;                \
   template void LeastSquaresScheme<dim>::meet_faces(const Boundary<dim>&, State<dim>&, const Neighbours&);  \
   template void LeastSquaresScheme<dim>::set_lag(const Boundary<dim>&, State<dim>&, const Neighbours&,      \
                                                  const Meeting&);

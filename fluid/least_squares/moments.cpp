@@ -66,9 +66,7 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
                                       const Neighbours& near, double time) {
   if (moments_.diagonal.size() != boundary.water()) resize(boundary.water());
   walls_.update(boundary, state, near, time, air_->aired, ranks_);
-  now_.configuration = time;
-  for (std::int64_t i = 0; i < boundary.water(); ++i)
-    if (state.face_lag[i] != 0) fade_lag(state, i, time);
+  fade_lags(boundary, state);
   cover_layers(boundary, state, near);
   const std::int64_t water = boundary.water();
   ranks_.update_layers(wall_.cover, 0);

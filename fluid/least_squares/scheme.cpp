@@ -119,6 +119,7 @@ void LeastSquaresScheme<dim>::begin(StepData<dim>& step) {
   if (!water_starts_packed(step.p, step.boundary)) return;
   step.search_neighbours();
   const std::vector<std::uint8_t> flags = step.state.surface;  // `measure` makes faces wet, and the surface
+  now_.fading = 0;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), 0);
   note_start(step.boundary, step.state, *step.far);
   step.state.surface = flags;
@@ -129,6 +130,7 @@ template <int dim>
 void LeastSquaresScheme<dim>::measure(StepData<dim>& step) {
   const StageClock clock(step.seconds, "density", step.ranks.communicator());
   air_ = &step.air;
+  now_.fading = step.dt;
   measure(step.boundary, step.state, *step.far, step.near_gradient(), step.substepping.length());
   follow_air(step.state, step.near_gradient(), step.boundary.water(), step.newly_connected);
   share_surface(step.state);
@@ -156,6 +158,7 @@ void LeastSquaresScheme<dim>::predict(StepData<dim>& step) {
 
 template <int dim>
 void LeastSquaresScheme<dim>::assemble(StepData<dim>& step, PressureSystem& system) {
+  if (!step.substepping.begins()) fade_lags(step.boundary, step.state);  // `measure` did so for the first
   filter(step.boundary, step.state, step.near_gradient(), step.dt, step.substepping);
   assemble(step.boundary, step.state, *step.far, step.near_gradient(),
            step.gravity - step.boundary.tank().acceleration(), step.dt, system);
@@ -216,7 +219,9 @@ double LeastSquaresScheme<dim>::correct(StepData<dim>& step) {
   }
   fastest = step.ranks.max(fastest);
   largest = step.ranks.max(largest);
-  if (!step.substepping.ends(std::sqrt(fastest), largest_displacement(step), p_.spacing)) return largest;
+  const double gap =
+      oblique_ ? -step.ranks.max(-walls_.contact_gap()) : std::numeric_limits<double>::infinity();
+  if (!step.substepping.ends(std::sqrt(fastest), largest_displacement(step), gap, p_.spacing)) return largest;
   const double time = step.substepping.age();
 #pragma omp parallel for schedule(static)
   for (std::int64_t i = 0; i < water; ++i)

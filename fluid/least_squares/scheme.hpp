@@ -169,7 +169,7 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     double largest_speed = 0;                            // max|u| past the tank [m/s]
     Vector<dim> gravity = Vector<dim>::Zero();           // less the tank's acceleration [m/s²]
     Vector<dim> gravity_velocity = Vector<dim>::Zero();  // Δt times it [m/s]
-    double configuration = 0;                            // until the next `measure` [s]
+    double fading = 0;                                   // Δt by which a lag (F71) fades [s]
   };
   /// What the filter reads of a neighbour, side by side in memory.
   struct Motion {
@@ -279,7 +279,8 @@ class LeastSquaresScheme final : public FluidScheme<dim> {
     const Vector<dim> r = boundary.tank().periodic().separation(state.position.col(i), state.position.col(j));
     return (laplacian_.radius * far.inverse_of(pair) - 1) * walls_.projection(j, r).norm();
   }
-  static void fade_lag(State<dim>&, std::int64_t i, double time);
+  void fade_lag(State<dim>&, std::int64_t i) const;
+  void fade_lags(const Boundary<dim>&, State<dim>&) const;
   Vector<dim> to_air(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t i) const;
   Vector<dim> ahead(const Boundary<dim>&, const State<dim>&, const Neighbours&, std::int64_t i) const;
   void share_to_air(const Boundary<dim>&, const State<dim>&, const Neighbours& far);

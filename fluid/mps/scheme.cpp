@@ -201,7 +201,7 @@ double MpsScheme<dim>::correct(StepData<dim>& step) {
     state.position.leftCols(water) += dt * state.velocity.leftCols(water);
     step.move_boundaries();
   }
-  step.substepping.ends(0, 0, step.p.spacing);
+  step.substepping.ends(0, 0, 0, step.p.spacing);
   return largest;
 }
 

@@ -28,6 +28,9 @@ class AcousticSubstepping {
   /// rigid plate at 1500 m/s moves by 0.03 in a window, and its pressure differs by 0.1 % of ρcV. A vortex 5
   /// l0 wide keeps its energy over a turn within 0.2 % at 0.05, and gains 2 % at 0.1.
   static constexpr double largest_displacement = 0.05;
+  /// The same where faces are about to become wet [l0]. A group does not see them, so they would become wet
+  /// together at its end, as one blow. Chosen.
+  static constexpr double before_contact = 0.005;
 
   /// Returns a group of one step.
   static AcousticSubstepping single_step(double dt) {
@@ -55,12 +58,13 @@ class AcousticSubstepping {
   double length() const { return length_; }  // largest possible duration of the group [s]
 
   /// Whether the step just taken was the group's last. fastest: largest speed of the water [m/s]. farthest:
-  /// largest displacement of the bodies since the group began [m].
-  bool ends(double fastest, double farthest, double spacing) {
+  /// largest displacement of the bodies since the group began [m]. contact_gap: what lies between the water
+  /// and the next face to become wet, when the group began [m].
+  bool ends(double fastest, double farthest, double contact_gap, double spacing) {
     age_ += dt_;
     const double with_next = std::max(fastest * age_, farthest) * (1 + dt_ / age_);
     over_ = !(rest_ > 0) || age_ + dt_ > length_ * (1 + round_off) ||
-            !(with_next < largest_displacement * spacing);
+            !(with_next < std::clamp(contact_gap, before_contact * spacing, largest_displacement * spacing));
     return over_;
   }
   bool is_over() const { return over_; }

@@ -6,11 +6,13 @@
 #include "tests/fluid/vortex.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 namespace strake::fluid {
@@ -19,13 +21,14 @@ namespace {
 constexpr double spacing = 0.01;  // [m]
 
 // Number of steps of a window that begin a frozen configuration, out of so many equal steps.
-int beginnings(int steps, double dt, double longest, double fastest, std::int64_t number = 0) {
+int beginnings(int steps, double dt, double longest, double fastest, std::int64_t number = 0,
+               double contact_gap = std::numeric_limits<double>::infinity()) {
   AcousticSubstepping hold;
   int count = 0;
   for (int k = 0; k < steps; ++k) {
     hold.step(dt, (steps - 1 - k) * dt, longest, number + k);
     count += hold.begins() ? 1 : 0;
-    hold.ends(fastest, 0, spacing);
+    hold.ends(fastest, 0, contact_gap, spacing);
   }
   EXPECT_TRUE(hold.is_over());
   return count;
@@ -43,6 +46,9 @@ TEST(AcousticSubstepping, EndsBeforeAnythingMovesTooFar) {
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.19 * way / 2e-6), 1);
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.26 * way / 2e-6), 2);
   EXPECT_EQ(beginnings(5, 2e-6, 1, 0.51 * way / 2e-6), 5);
+  // The next face to become wet is nearer than that.
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0.19 * way / 2e-6, 0, 0.5 * way), 3);
+  EXPECT_EQ(beginnings(5, 2e-6, 1, 0.19 * way / 2e-6, 0, 0), 5);
   EXPECT_EQ(beginnings(5, 2e-6, 1, std::numeric_limits<double>::quiet_NaN()), 5);
 }
 
@@ -67,8 +73,8 @@ struct Entry {
     return p;
   }
   static InterfaceMesh body() { return rectangle(-0.1, gap, 0.2, 0.02, spacing); }
-  Entry(const Parameters& p, double step, int steps, bool holds)
-      : simulation(p, body(), PlateEntry::down(body(), speed)), dt(step), in_window(steps), held(holds) {
+  Entry(const Parameters& p, double step, int steps, bool holds, const InterfaceMesh& mesh = body())
+      : simulation(p, mesh, PlateEntry::down(mesh, speed)), dt(step), in_window(steps), held(holds) {
     const auto m = simulation.interface().position.cols();
     motion = {Points::Zero(3, m), Points::Zero(3, m), Points::Zero(3, m)};
     motion.velocity.row(1).setConstant(-speed);
@@ -99,6 +105,38 @@ TEST(AcousticSubstepping, OtherSchemesTakeEveryStepByItself) {
   together.windows(6);
   alone.windows(6);
   EXPECT_EQ(differences(together.simulation.state(), alone.simulation.state()), "");
+}
+
+/// A circular cylinder, its lowest point at the height `low`.
+InterfaceMesh cylinder(double radius, double low) {
+  InterfaceMesh mesh =
+      rectangle(0, 0, 0.5 * std::numbers::pi * radius, 0.5 * std::numbers::pi * radius, spacing);
+  const auto n = mesh.position.cols();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double angle = 2 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n);
+    mesh.position.col(k) << radius * std::cos(angle), low + radius * (1 + std::sin(angle)), 0;
+  }
+  return mesh;
+}
+
+// In windows of fifty steps, in which the cylinder moves by 0.06 l0. Its faces become wet one after another;
+// together, at the end of a group, they would be a blow.
+TEST(AcousticSubstepping, ARoundBodyMeetsTheWaterAsInStepsTakenOneByOne) {
+  for (const double low : {0.0008, 0.0011}) {
+    std::vector<double> impulse[2];
+    for (const bool held : {true, false}) {
+      Entry entry(Entry::parameters(), 2e-6, 50, held, cylinder(0.05, low));
+      for (int k = 0; k < 6; ++k) {
+        entry.windows(1);
+        impulse[held].push_back(entry.simulation.state().impulse_on_bodies.y());
+      }
+    }
+    fmt::print("cylinder {:.1f} mm above the water: impulse {:.3f} N s held, {:.3f} by single steps\n",
+               1e3 * low, fmt::join(impulse[1], ", "), fmt::join(impulse[0], ", "));
+    ASSERT_GT(impulse[0][2], 1);  // from the third window on
+    for (std::size_t k = 2; k < impulse[0].size(); ++k)
+      EXPECT_NEAR(impulse[1][k] / impulse[0][k], 1, 0.03) << "window " << k;
+  }
 }
 
 // Contact is seen where a window begins: the loads of an impact are compared from the contact on.
