@@ -47,8 +47,11 @@ Boundary<dim>::Boundary(const Parameters& p, const InterfaceMesh& partner, const
     volume_ = p.interface == "volume";
     if (volume_)
       add_solids(partner, initial_velocity, tank);
-    else
+    else {
+      // A mesh in mm would be divided into a thousand times as many pieces first.
+      check_place(tank, partner.position, 2 * spacing_);
       add_layers(partner, p.submerged ? knuckles_under_water : Knuckles{}, tank);
+    }
   }
   const auto n = tank.position.cols();
   point_of_.resize(static_cast<std::size_t>(n - bodies_), -1);
@@ -85,22 +88,22 @@ void Boundary<dim>::move(State<dim>& state, const Points& displacement, const Po
     if (positions) {
       Points wet = Points::Zero(3, body_surface_.points());
       for (int k = 0; k < body_surface_.points(); ++k) wet.col(k).head<2>() = body_surface_.point(k);
-      check_place(state, wet);
+      check_place(state, wet, spacing_);
     }
   } else {
     body_surface_.move(displacement, velocity, positions);
-    if (positions) check_place(state, mesh_.position + displacement);
+    if (positions) check_place(state, mesh_.position + displacement, spacing_);
   }
   place_layers(state, positions);
 }
 
 template <int dim>
-void Boundary<dim>::check_place(const State<dim>& state, const Points& place) const {
+void Boundary<dim>::check_place(const State<dim>& state, const Points& place, double allowed) const {
   for (Eigen::Index k = 0; k < place.cols(); ++k) {
     const Vector<dim> x = place.col(k).template head<dim>();
     // Water beyond a seam meets the faces of a body on this side, but nothing keeps it out of what goes over.
-    const bool past_seam = tank_.past_seam(x) > spacing_;
-    if (!past_seam && tank_.distance(x) >= -spacing_) continue;
+    const bool past_seam = tank_.past_seam(x) > allowed;
+    if (!past_seam && tank_.distance(x) >= -allowed) continue;
     const std::string at = fmt::format("({:.6g}, {:.6g}{})", place(0, k), place(1, k),
                                        dim == 3 ? fmt::format(", {:.6g}", place(2, k)) : ""),
                       beyond = past_seam ? "periodic ends" : "walls";

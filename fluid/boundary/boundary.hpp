@@ -219,7 +219,8 @@ class Boundary {
   bool separates(const State<dim>&, std::int64_t a, std::int64_t b) const;
   void add_layers(const InterfaceMesh& partner, const Knuckles&, State<dim>&);
   void place_layers(State<dim>&, bool positions) const;
-  void check_place(const State<dim>&, const Points& place) const;
+  /// allowed: how far beyond a wall or a periodic end a point may lie [m].
+  void check_place(const State<dim>&, const Points& place, double allowed) const;
   void go_beyond(const BodySurface2d::Edge&, bool at_end);
   void add_solids(const InterfaceMesh& partner, const Points& initial_velocity, State<dim>&);
   void find_masters(const State<dim>&);
