@@ -104,7 +104,7 @@ void print_warning(const std::string& text) {
 
 /// What both sides say of the case when they are set up, as a run would do it.
 void print_understood(const CaseView& view, const CheckOptions& options, const StopRequest& stop) {
-  const TemporaryFolder folder;
+  const TrialFolder folder;
   std::optional<Session> session;
   try {
     session.emplace(

@@ -161,13 +161,13 @@ FolderLock::FolderLock(const fs::path& path)
               "wait until it has ended, or name the new run with --tag NAME");
 }
 
-TemporaryFolder::TemporaryFolder() {
+TrialFolder::TrialFolder() {
   std::string name = (fs::temp_directory_path() / "strake-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw cannot_create(name, std::generic_category().message(errno));
   path_ = name;
 }
 
-TemporaryFolder::~TemporaryFolder() {
+TrialFolder::~TrialFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
 }

@@ -48,12 +48,12 @@ class FolderLock {
 
 /// A private folder under the system's temporary one, gone with the object: `check` builds its participants
 /// there.
-class TemporaryFolder {
+class TrialFolder {
  public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  TrialFolder();
+  ~TrialFolder();
+  TrialFolder(const TrialFolder&) = delete;
+  TrialFolder& operator=(const TrialFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
