@@ -17,7 +17,8 @@ target_compile_definitions(strake_precice PRIVATE STRAKE_VERSION="${PROJECT_VERS
 target_link_libraries(strake_precice PRIVATE strake_precice_parts strake_warnings)
 set_target_properties(strake_precice PROPERTIES UNITY_BUILD ${STRAKE_UNITY} UNITY_BUILD_BATCH_SIZE 0 OUTPUT_NAME precice VERSION ${STRAKE_PRECICE_VERSION} SOVERSION 3
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/strake/precice LINK_DEPENDS ${precice}/exported_symbols.map)
-target_link_options(strake_precice PRIVATE -Wl,--version-script=${precice}/exported_symbols.map -Wl,-Bsymbolic
+# Gold offers names of C++ that the map leaves out.
+target_link_options(strake_precice PRIVATE $<$<BOOL:${STRAKE_GOLD}>:-fuse-ld=bfd> -Wl,--version-script=${precice}/exported_symbols.map -Wl,-Bsymbolic
   -Wl,--no-undefined)
 target_compile_options(strake_precice PRIVATE -O1)
 strake_reuse_headers(strake_precice strake_installed_headers)

@@ -7,7 +7,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace level_face_test {
 
 /// A closed polygon of n points, walked counter-clockwise.
 InterfaceMesh polygon(const Eigen::Matrix2Xd& points) {
@@ -60,5 +60,5 @@ TEST(LevelFace, in_space_it_is_an_area) {
   EXPECT_EQ(level_face(mesh, 0), 0);
 }
 
-}  // namespace
+}  // namespace level_face_test
 }  // namespace strake::fluid

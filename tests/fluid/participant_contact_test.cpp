@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace participant_contact_test {
 
 TEST(FluidParticipant, a_sensor_or_the_body_itself_waits_for_contact) {
   const auto waits = [](const std::string& probe) {
@@ -189,5 +189,5 @@ TEST(FluidParticipant, an_outline_that_is_walked_clockwise_is_refused) {
   expect_refused([&] { FluidParticipant<2>(c.parameters, c.common, turned); }, "encloses -0.002 m^2");
 }
 
-}  // namespace
+}  // namespace participant_contact_test
 }  // namespace strake::fluid

@@ -17,7 +17,7 @@
 // that of one rank to the last bit.
 
 namespace strake::fluid {
-namespace {
+namespace participant_ranks_test {
 
 constexpr double window = 4e-3;  // [s]
 
@@ -206,5 +206,5 @@ TEST(FluidOnRanks, a_checkpoint_that_cannot_be_read_or_written_is_an_error_on_al
   refused(c, "fluid.0001.h5 is missing", false, ExitCode::case_file);
 }
 
-}  // namespace
+}  // namespace participant_ranks_test
 }  // namespace strake::fluid

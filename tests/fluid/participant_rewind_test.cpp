@@ -11,7 +11,7 @@
 #include <functional>
 
 namespace strake::fluid {
-namespace {
+namespace participant_rewind_test {
 
 void rewind_then_advance_again(const Case& c) {
   FluidParticipant<2> straight(c.parameters, c.common, entering()),
@@ -142,5 +142,5 @@ TEST(FluidParticipant, a_checkpoint_of_another_case_is_refused) {
   EXPECT_THROW(third.resume(folder / "nothing"), Error);
 }
 
-}  // namespace
+}  // namespace participant_rewind_test
 }  // namespace strake::fluid

@@ -11,7 +11,7 @@
 #include <filesystem>
 
 namespace strake::fluid {
-namespace {
+namespace participant_test {
 
 TEST(FluidParticipant, a_level_face_met_in_long_steps_gets_a_line) {
   const auto says = [](const std::vector<std::string>& sets) {
@@ -381,5 +381,5 @@ TEST(FluidParticipant, the_log_names_the_turbulence_model_and_the_walls_that_abs
   EXPECT_NE(lines.at(4).find("SPS by an equation for k"), std::string::npos) << lines.at(4);
 }
 
-}  // namespace
+}  // namespace participant_test
 }  // namespace strake::fluid

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 namespace strake::fluid {
-namespace {
+namespace size_test {
 
 double water(const SizeEstimates& sizes) {
   return sizes[0].count;
@@ -54,5 +54,5 @@ TEST(FluidSize, ACountBeyondAllIntegersIsANumber) {
   EXPECT_EQ(sizes(p)[0].keys.front().path, "fluid.spacing");
 }
 
-}  // namespace
+}  // namespace size_test
 }  // namespace strake::fluid

@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
+namespace window_motion_test {
 
 TEST(WindowMotion, without_a_velocity_the_points_move_with_constant_acceleration) {
   const double x1 = 3e-4, v0 = 10.0, dt = 1e-4, a = 2 * (x1 - v0 * dt) / (dt * dt);
@@ -59,5 +59,5 @@ TEST(WindowMotion, motion_of_another_number_of_points_is_an_error) {
   EXPECT_THROW(WindowMotion({0, 1}, {{1, {}}}, start, start), Error);
 }
 
-}  // namespace
+}  // namespace window_motion_test
 }  // namespace strake::fluid

@@ -6,7 +6,7 @@
 #include <string>
 
 namespace strake {
-namespace {
+namespace environment_test {
 
 TEST(Environment, HasBothVariablesOfATest) {
   const char* const policy = std::getenv("OMP_WAIT_POLICY");
@@ -17,5 +17,5 @@ TEST(Environment, HasBothVariablesOfATest) {
   EXPECT_EQ(std::string(threads), "1");
 }
 
-}  // namespace
+}  // namespace environment_test
 }  // namespace strake

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace error_test {
 
 TEST(Error, PrintsPlaceAndProblemThenDetailsThenTheFix) {
   const Error error(ExitCode::solver_fault, "fluid, window 420 (t = 0.0042 s)",
@@ -59,5 +59,5 @@ TEST(Find, ReturnsTheFieldOfAQuantityOrNothing) {
   EXPECT_EQ(find(fields, "velocity"), nullptr);
 }
 
-}  // namespace
+}  // namespace error_test
 }  // namespace strake

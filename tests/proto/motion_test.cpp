@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace motion_test {
 
 constexpr MotionColumn place = MotionColumn::place, rate = MotionColumn::rate, absent = MotionColumn::absent;
 
@@ -141,5 +141,5 @@ TEST(MotionFile, WhatIsWrongIsSaidWithFileAndRemedy) {
   says("t [min],x [m]\n0,0\n1,1\n", "[s]");
 }
 
-}  // namespace
+}  // namespace motion_test
 }  // namespace strake

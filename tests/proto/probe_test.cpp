@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace probe_test {
 
 constexpr double pi = std::numbers::pi;
 constexpr double micro = 1e-6;
@@ -228,5 +228,5 @@ TEST(ProbeRecord, LoadNamesTheProbeThatACheckpointLacks) {
   }
 }
 
-}  // namespace
+}  // namespace probe_test
 }  // namespace strake

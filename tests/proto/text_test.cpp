@@ -8,7 +8,7 @@
 #include <cstdint>
 
 namespace strake {
-namespace {
+namespace text_test {
 
 TEST(Text, BytesAreTwoDigitsEach) {
   EXPECT_EQ(hexadecimal(std::array<std::uint8_t, 4>{0x00, 0x0a, 0x1f, 0xff}), "000a1fff");
@@ -37,5 +37,5 @@ TEST(Text, ThousandsStandApart) {
   EXPECT_EQ(grouped(-1234567), "-1 234 567");
 }
 
-}  // namespace
+}  // namespace text_test
 }  // namespace strake

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace values_test {
 
 using Eigen::MatrixXd;
 
@@ -124,5 +124,5 @@ TEST(Values, TheSumOverThePointsIsThatOfTheNumbersAsTheyAre) {
   EXPECT_FALSE(std::signbit(Values(MatrixXd::Constant(3, 2, -0.0)).sum_over_points().x()));
 }
 
-}  // namespace
+}  // namespace values_test
 }  // namespace strake

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace visible_test {
 
 TEST(Visible, LeavesTextsOfAnyLanguageAlone) {
   for (const char* text : {"", "plate, 10 mm", "Δt = 1 µs → 2 µs", "水面冲击 🚢", "a\nb\tc"})
@@ -40,5 +40,5 @@ TEST(Visible, IsHowAnErrorIsPrinted) {
   EXPECT_STREQ(error.what(), to_text(error).c_str());
 }
 
-}  // namespace
+}  // namespace visible_test
 }  // namespace strake

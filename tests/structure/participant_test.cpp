@@ -14,7 +14,7 @@
 #include <filesystem>
 
 namespace strake::structure {
-namespace {
+namespace participant_test {
 
 CommonKeys mid_probe(const std::string& quantity = "deflection") {
   CommonKeys common;
@@ -360,5 +360,5 @@ TEST(StructureParticipant, ProbesOfStressHaveAColumnPerComponent) {
   EXPECT_NEAR(monitor.at("size"), std::sqrt(xx * xx - xx * zz + zz * zz), 2e4);
 }
 
-}  // namespace
+}  // namespace participant_test
 }  // namespace strake::structure

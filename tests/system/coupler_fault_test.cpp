@@ -3,7 +3,7 @@
 #include "tests/system/faults.hpp"
 
 namespace strake {
-namespace {
+namespace coupler_fault_test {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
@@ -86,5 +86,5 @@ TEST_F(CouplerFaults, ASecondCtrlCEndsAtOnceAndLeavesNothing) {
   EXPECT_FALSE(runs(participant));
 }
 
-}  // namespace
+}  // namespace coupler_fault_test
 }  // namespace strake

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace fault_test {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
@@ -364,5 +364,5 @@ TEST_F(Faults, CtrlCInsideALongStepEndsTheRun) {
   EXPECT_EQ(e.code(), ExitCode::interrupted);
 }
 
-}  // namespace
+}  // namespace fault_test
 }  // namespace strake

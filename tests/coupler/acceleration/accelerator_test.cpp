@@ -9,7 +9,7 @@
 #include <random>
 
 namespace strake {
-namespace {
+namespace accelerator_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -184,5 +184,5 @@ TEST(Accelerator, GoesOnBitEqualFromAState) {
   }
 }
 
-}  // namespace
+}  // namespace accelerator_test
 }  // namespace strake

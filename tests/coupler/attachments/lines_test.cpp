@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace lines_test {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
@@ -143,5 +143,5 @@ TEST(LocalAttachment, TakesTheMeanOfBothEndsAndGoesOnFromACheckpoint) {
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace
+}  // namespace lines_test
 }  // namespace strake

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace find_case_test {
 
 namespace fs = std::filesystem;
 
@@ -62,5 +62,5 @@ TEST_F(FindCase, SaysOfAFolderWhereItsCaseIs) {
   EXPECT_EQ(refused("empty"), "/empty" + is_folder + "name a case file, with its path\n");
 }
 
-}  // namespace
+}  // namespace find_case_test
 }  // namespace strake

@@ -14,7 +14,7 @@
 #include <random>
 
 namespace strake {
-namespace {
+namespace mesh_transfer_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -364,5 +364,5 @@ TEST(MeshTransfer, VolumeCouplingHasOneMesh) {
   EXPECT_THROW(transfer_of(view, panel.structure, panel.fluid), Error);
 }
 
-}  // namespace
+}  // namespace mesh_transfer_test
 }  // namespace strake

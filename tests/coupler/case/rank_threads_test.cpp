@@ -14,7 +14,7 @@
 #include <optional>
 
 namespace strake {
-namespace {
+namespace rank_threads_test {
 
 TEST(RankThreads, AreTheProcessorsOverTheRanksUnlessTheCaseGivesThem) {
   CommonKeys common;
@@ -138,5 +138,5 @@ TEST(RankThreads, OfAStudyAreDividedByTheMostRanks) {
   EXPECT_EQ(most_ranks_of(folder / "bodies.toml", {}), 4);
 }
 
-}  // namespace
+}  // namespace rank_threads_test
 }  // namespace strake

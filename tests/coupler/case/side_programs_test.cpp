@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace side_programs_test {
 
 using Names = std::vector<std::string>;
 
@@ -33,5 +33,5 @@ TEST(SidePrograms, AFormOfRigidBodiesAloneIsAskedOfNoOther) {
   EXPECT_EQ(discretisations(view, body_of("rigid", "right", true)), all);
 }
 
-}  // namespace
+}  // namespace side_programs_test
 }  // namespace strake

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace compare_plots_test {
 
 TEST(ComparePlots, TheTitleNamesQuantityAndProbeOnce) {
   Table history;
@@ -19,5 +19,5 @@ TEST(ComparePlots, TheTitleNamesQuantityAndProbeOnce) {
   EXPECT_EQ(plots[1].title, "deflection mid.y");
 }
 
-}  // namespace
+}  // namespace compare_plots_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace compare_test {
 
 using Result = Verdict::Result;
 
@@ -372,5 +372,5 @@ TEST(Compare, SaysInOneLineWhatWasMeasuredExpectedAndAllowed) {
             "not reached  mid.y first_peak, expected 0.001625 within 15 %, theory, no source named");
 }
 
-}  // namespace
+}  // namespace compare_test
 }  // namespace strake

@@ -11,7 +11,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace comparison_test {
 
 constexpr double pi = std::numbers::pi;
 
@@ -228,5 +228,5 @@ TEST(Record, RefusesWhatCannotBeACurveWithItsPlace) {
   expect_refused([] { RecordSource("nowhere.csv"); }, "no such");
 }
 
-}  // namespace
+}  // namespace comparison_test
 }  // namespace strake

@@ -9,7 +9,7 @@
 #include <random>
 
 namespace strake {
-namespace {
+namespace curve_test {
 
 Curve sampled(const std::function<double(double)>& q, double from, double to, int n) {
   Curve curve;
@@ -168,5 +168,5 @@ TEST(Curve, WarpsTimeSoThatAShiftCostsLittleAndAnotherShapeMuch) {
   EXPECT_GT(time_warping(sampled([](double t) { return t / 4; }, 0, 4, 200), here), 0.1);
 }
 
-}  // namespace
+}  // namespace curve_test
 }  // namespace strake

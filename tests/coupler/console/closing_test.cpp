@@ -6,7 +6,7 @@
 #include <string>
 
 namespace strake {
-namespace {
+namespace closing_test {
 
 // A newcomer asks how fast the body is at the end, and how far it heels. What is held or driven says nothing.
 TEST(Closing, TellsTheSpeedAndTheAngleOfABodyThatMovesFreely) {
@@ -99,5 +99,5 @@ TEST(Closing, TellsAComponentThatGrewLargerThanTheOneOfTheTable) {
   EXPECT_EQ(told(0.04, -1e-17).find("tip.y"), std::string::npos) << told(0.04, -1e-17);
 }
 
-}  // namespace
+}  // namespace closing_test
 }  // namespace strake

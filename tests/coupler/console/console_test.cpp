@@ -12,7 +12,7 @@
 #include <sstream>
 
 namespace strake {
-namespace {
+namespace console_test {
 
 RunHeader plate_header() {
   RunHeader header;
@@ -385,5 +385,5 @@ TEST(Numbers, AreGroupedInThreesAndDurationsReadAsAPersonSaysThem) {
   EXPECT_EQ(duration_text(7260), "2 h 01 min");
 }
 
-}  // namespace
+}  // namespace console_test
 }  // namespace strake

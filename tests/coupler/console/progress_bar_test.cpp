@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace progress_bar_test {
 
 Progress plate() {
   return {.time = 0.0135,
@@ -66,5 +66,5 @@ TEST(PaceOfARun, LooksAtItsLastQuarterAndKnowsNothingAtFirst) {
   EXPECT_NEAR(*pace.steps_per_second(), 50, 0.1);
 }
 
-}  // namespace
+}  // namespace progress_bar_test
 }  // namespace strake

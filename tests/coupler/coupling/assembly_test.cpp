@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace assembly_test {
 
 using Eigen::VectorXd;
 
@@ -256,5 +256,5 @@ TEST(BodyGaps, MeasureFromFacesNotFromPoints) {
   EXPECT_EQ(gap->one, "box");
 }
 
-}  // namespace
+}  // namespace assembly_test
 }  // namespace strake

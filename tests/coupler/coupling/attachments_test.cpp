@@ -13,7 +13,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace attachments_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -174,5 +174,5 @@ TEST(Attachments, WrongAnswersNameTheAttachment) {
   EXPECT_NE(problem([&] { scheme.advance({0, 0.1}); }).find("winch, window 1"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace attachments_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace convergence_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -179,5 +179,5 @@ TEST(Convergence, WindowsAcceptedUnconvergedAreSaidWhereTheRunEnds) {
   }
 }
 
-}  // namespace
+}  // namespace convergence_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <functional>
 
 namespace strake {
-namespace {
+namespace exchange_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -228,5 +228,5 @@ TEST(Exchange, NamesAResidualThatIsTooLargeForANumber) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace exchange_test
 }  // namespace strake

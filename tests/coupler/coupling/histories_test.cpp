@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace histories_test {
 
 using Eigen::VectorXd;
 
@@ -119,5 +119,5 @@ TEST(Histories, AreNotAskedForWhereTheFluidTakesNone) {
   EXPECT_EQ(structure.asked, (std::vector<bool>{false, false}));
 }
 
-}  // namespace
+}  // namespace histories_test
 }  // namespace strake

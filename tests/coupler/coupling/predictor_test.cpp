@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace predictor_test {
 
 using Eigen::MatrixXd;
 
@@ -90,5 +90,5 @@ TEST(Predictor, IsKnownByName) {
   EXPECT_THROW(predictor_kind("cubic"), Error);
 }
 
-}  // namespace
+}  // namespace predictor_test
 }  // namespace strake

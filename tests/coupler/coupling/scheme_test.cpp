@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace scheme_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -396,5 +396,5 @@ TEST(Scheme, WaitsForTheForceToSettleWhenMeasuredByValue) {
   EXPECT_TRUE(report.converged);
 }
 
-}  // namespace
+}  // namespace scheme_test
 }  // namespace strake

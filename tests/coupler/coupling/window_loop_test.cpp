@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace window_loop_test {
 
 /// Records its calls.
 class Listener final : public Participant {
@@ -259,5 +259,5 @@ TEST(WindowLoop, GivesUpWhenWindowsShrinkWithoutEnd) {
   }
 }
 
-}  // namespace
+}  // namespace window_loop_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <random>
 
 namespace strake {
-namespace {
+namespace mapping_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -283,5 +283,5 @@ TEST(Mapping, RefusesMeshesThatDoNotBelongTogether) {
   expect_refused([&] { make_mapping({.kind = "radial"}, line, line); }, "nearest-projection");
 }
 
-}  // namespace
+}  // namespace mapping_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace radial_mapping_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -332,5 +332,5 @@ TEST(RadialBasis, RefusesWhatCannotBeSolved) {
                  "\"gauss\" is not a radial basis function");
 }
 
-}  // namespace
+}  // namespace radial_mapping_test
 }  // namespace strake

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace sparse_operator_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -99,5 +99,5 @@ TEST(SparseOperator, OtherWeightsAreSummed) {
   EXPECT_TRUE(same_bits(w.transposed() * back, sums(Matrix(same.transpose()), back)));
 }
 
-}  // namespace
+}  // namespace sparse_operator_test
 }  // namespace strake

@@ -12,7 +12,7 @@
 #include <limits>
 
 namespace strake {
-namespace {
+namespace interface_record_test {
 
 InterfaceMesh strip() {
   InterfaceMesh mesh = {"structure", 2, Points::Zero(3, 3), Eigen::MatrixXi(2, 2), {}};
@@ -297,5 +297,5 @@ TEST(InterfaceRecord, RefusesAFolderWithoutOne) {
   EXPECT_THROW(read_interface_record(folder.path()), Error);
 }
 
-}  // namespace
+}  // namespace interface_record_test
 }  // namespace strake

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace launch_test {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
@@ -183,5 +183,5 @@ TEST(Token, TwoTokensDifferAndHold128Bits) {
   EXPECT_NE(random_token(), random_token());
 }
 
-}  // namespace
+}  // namespace launch_test
 }  // namespace strake

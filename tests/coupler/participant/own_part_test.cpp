@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace own_part_test {
 
 const char* const two_participants = R"(<precice-configuration>
   <data:vector name="Force" />
@@ -149,5 +149,5 @@ TEST(SetupWithBody, ACaseWithoutABodyIsRefused) {
       "holds no lines", "");
 }
 
-}  // namespace
+}  // namespace own_part_test
 }  // namespace strake

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace participant_main_test {
 
 /// A program with one number, so that the modes have something to show.
 Program toy() {
@@ -148,5 +148,5 @@ TEST_F(ParticipantMain, TheCommandLineOfARunIsUnderstood) {
   EXPECT_EQ(o.case_hash.value()[31], 0xaa);
 }
 
-}  // namespace
+}  // namespace participant_main_test
 }  // namespace strake

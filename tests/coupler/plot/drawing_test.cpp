@@ -13,7 +13,7 @@
 #include <string>
 
 namespace strake {
-namespace {
+namespace drawing_test {
 
 using picture::Colour;
 
@@ -198,5 +198,5 @@ TEST(Canvas, WritesWholeFilesOfEitherKind) {
   }
 }
 
-}  // namespace
+}  // namespace drawing_test
 }  // namespace strake

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace strake::picture {
-namespace {
+namespace interface_lines_test {
 
 /// A floor of two faces that goes down by 0.1 m in a window of 1 s.
 InterfaceRecord floor_record(int dimension) {
@@ -80,5 +80,5 @@ TEST(InterfaceLines, SayWhereThereIsNothingToDraw) {
   EXPECT_EQ(scene.notes.size(), 2U) << "water alone is what was asked for";
 }
 
-}  // namespace
+}  // namespace interface_lines_test
 }  // namespace strake::picture

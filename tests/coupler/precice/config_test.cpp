@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace config_test {
 
 namespace fs = std::filesystem;
 
@@ -133,5 +133,5 @@ TEST(QuantityNames, FollowRulesThenTheNameItself) {
   EXPECT_NO_THROW(QuantityNames(";Force=force;"));
 }
 
-}  // namespace
+}  // namespace config_test
 }  // namespace strake

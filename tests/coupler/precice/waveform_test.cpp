@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace waveform_test {
 
 Eigen::MatrixXd number(double value) {
   return Eigen::MatrixXd::Constant(1, 1, value);
@@ -101,5 +101,5 @@ TEST(SolverMesh, HasEdgesAsFacesInThePlane) {
   EXPECT_THROW(mesh.add_quad(0, 1, 2, 0), Error);
 }
 
-}  // namespace
+}  // namespace waveform_test
 }  // namespace strake

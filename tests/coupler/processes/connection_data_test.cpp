@@ -16,7 +16,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace connection_data_test {
 
 Participants::Options options() {
   Participants::Options options;
@@ -77,5 +77,5 @@ TEST(ConnectionData, StandsInTheLineForOneThatIsStartedByHand) {
     EXPECT_NE(line.find(" " + setting + " "), std::string::npos) << line;
 }
 
-}  // namespace
+}  // namespace connection_data_test
 }  // namespace strake

@@ -12,7 +12,7 @@
 #include <string>
 
 namespace strake {
-namespace {
+namespace log_tail_test {
 
 void say(const std::string& words, const std::filesystem::path& log, bool keep) {
   Child child({"/bin/sh", {"-c", "echo " + words}, log, 1, {}, keep});
@@ -134,5 +134,5 @@ TEST(LogTail, CutsALineWithoutEnd) {
   EXPECT_TRUE(log_tail(log).ends_with("...why"));
 }
 
-}  // namespace
+}  // namespace log_tail_test
 }  // namespace strake

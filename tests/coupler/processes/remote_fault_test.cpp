@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace remote_fault_test {
 
 /// A participant of the user's own, with ZeroMQ and nothing else: one part of its answer is too large.
 void answer_too_large(const std::string& endpoint, const std::string& token) {
@@ -165,5 +165,5 @@ TEST_F(Remote, SilenceBeyondTheLimitIsNamed) {
   EXPECT_NE(e.fix().find("coupling.answer_within"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace remote_fault_test
 }  // namespace strake

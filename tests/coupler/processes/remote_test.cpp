@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace remote_test {
 
 TEST_F(Remote, AWaitIsNoWarningUntilHalfOfWhatItMayLast) {
   std::string noted;
@@ -270,5 +270,5 @@ TEST_F(Remote, AWindowUnderWayMayEndAfterCtrlC) {
       });
 }
 
-}  // namespace
+}  // namespace remote_test
 }  // namespace strake

@@ -12,7 +12,7 @@
 #include <string>
 
 namespace strake::report {
-namespace {
+namespace pictures_test {
 
 std::size_t count(const std::string& text, const std::string& word) {
   std::size_t n = 0;
@@ -62,5 +62,5 @@ TEST(Pictures, TheFirstPeakIsThatOfTheLargestForce) {
       << "of the sensor, which is first";
 }
 
-}  // namespace
+}  // namespace pictures_test
 }  // namespace strake::report

@@ -15,7 +15,7 @@
 #include <vector>
 
 namespace strake::report {
-namespace {
+namespace report_test {
 
 using picture::figure;
 
@@ -372,5 +372,5 @@ TEST(Sketch, ReadsPointsOfTwoAndOfThreeNumbers) {
   EXPECT_TRUE(places("none").empty());
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace strake::report

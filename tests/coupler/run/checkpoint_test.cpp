@@ -6,6 +6,7 @@
 #include "coupler/run/run_folder.hpp"
 #include "proto/error.hpp"
 #include "proto/files/result_file.hpp"
+#include "tests/proto/temporary_folder.hpp"
 #include "tests/text/golden.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@
 #include <iterator>
 
 namespace strake {
-namespace {
+namespace checkpoint_test {
 
 namespace fs = std::filesystem;
 
@@ -316,5 +317,5 @@ TEST(FolderLockTest, IsFreeAgainWhenItsRunIsOver) {
   EXPECT_NO_THROW(FolderLock second(place.path()));
 }
 
-}  // namespace
+}  // namespace checkpoint_test
 }  // namespace strake

@@ -5,6 +5,7 @@
 #include "coupler/run/run_files.hpp"
 #include "coupler/run/run_folder.hpp"
 #include "proto/files/result_file.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,14 @@
 #include "coupler/run/run_folder.hpp"
 
+#include "tests/proto/temporary_folder.hpp"
+
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sys/stat.h>
 
 namespace strake {
-namespace {
+namespace run_folder_test {
 
 namespace fs = std::filesystem;
 
@@ -128,5 +130,5 @@ TEST_F(RunFolderTest, RefusesATagThatWouldLeaveTheFolder) {
   EXPECT_EQ(refusal(options("../up")), ExitCode::command_line);
 }
 
-}  // namespace
+}  // namespace run_folder_test
 }  // namespace strake

@@ -13,7 +13,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace surface_faces_test {
 
 using Eigen::Index;
 using Eigen::MatrixXi;
@@ -131,5 +131,5 @@ TEST_F(SurfaceFaces, AreRefusedWithTheLineThatIsWrong) {
                  "ends in .msh (Gmsh) or .inp (Abaqus)");
 }
 
-}  // namespace
+}  // namespace surface_faces_test
 }  // namespace strake

@@ -9,7 +9,7 @@
 #include <fstream>
 
 namespace strake::study {
-namespace {
+namespace study_test {
 
 class StudyFile : public testing::Test {
  protected:
@@ -220,5 +220,5 @@ TEST_F(StudyFile, ClaimsFollowTheNumbers) {
   EXPECT_EQ(judge_claims(results)[1].verdict, "holds") << "what is 0 everywhere is the same";
 }
 
-}  // namespace
+}  // namespace study_test
 }  // namespace strake::study

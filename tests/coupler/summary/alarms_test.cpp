@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace alarms_test {
 
 std::map<std::string, double> raised(const std::string& kind, double time) {
   const std::string name = "alarm." + kind + ".";
@@ -127,5 +127,5 @@ TEST(EmptyCellNotes, TellOnceWhichValueIsNoNumber) {
   EXPECT_EQ(notes.look("left", 0.3, true, {{"left.force", nan}}).size(), 1U);
 }
 
-}  // namespace
+}  // namespace alarms_test
 }  // namespace strake

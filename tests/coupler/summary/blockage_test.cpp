@@ -6,7 +6,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace blockage_test {
 
 // Images in walls and floor, as dipoles far away: π²a²/24W² and π²a²/48H². A plate in a corner of thin water
 // has no room.
@@ -35,5 +35,5 @@ TEST(Blockage, OfAWedgeCountsTheWaterThatRisesFaster) {
   EXPECT_EQ(blockage_of_entry(1, 1.27, 1.27, far).force, far) << "W < 4/pi";
 }
 
-}  // namespace
+}  // namespace blockage_test
 }  // namespace strake

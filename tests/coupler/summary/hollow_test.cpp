@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace hollow_test {
 
 // The edges meet the water first: it runs to the middle, and no jet leaves the face.
 TEST(Resolution, AHollowPlateHasNoJet) {
@@ -38,5 +38,5 @@ TEST(Resolution, AHollowPlateHasNoJet) {
   }
 }
 
-}  // namespace
+}  // namespace hollow_test
 }  // namespace strake

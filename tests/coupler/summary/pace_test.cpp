@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace pace_test {
 
 /// A rigid wedge of 10 500 particles at 5 m/s for 10 ms; windows of 1e-4 s, as chosen.
 CaseView wedge() {
@@ -32,10 +32,10 @@ CaseView wedge() {
   return view;
 }
 
-using Values = std::map<std::string, std::string>;
+using Metrics = std::map<std::string, std::string>;
 
 /// The lines on keys that are far off, of a body 0.5 m long and a case with other values.
-std::vector<std::string> lines_with(const Values& values, CaseView view = wedge()) {
+std::vector<std::string> lines_with(const Metrics& values, CaseView view = wedge()) {
   for (const auto& [key, value] : values) view.value[key] = value;
   return far_off_lines(view, 0.5);
 }
@@ -315,5 +315,5 @@ TEST(Pace, ALevelFaceWantsStepsThatResolveItsSound) {
   EXPECT_TRUE(far_off_lines(view, 0.5).empty());
 }
 
-}  // namespace
+}  // namespace pace_test
 }  // namespace strake

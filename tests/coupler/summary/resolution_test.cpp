@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace resolution_test {
 
 /// A wedge of that half width [m] and slope, its apex at the still level, falling at 6 m/s.
 struct Wedge {
@@ -376,5 +376,5 @@ TEST(Resolution, CountsTheLayersOfEachOfSeveralPlates) {
                    "structures.right.particle.spacing"));
 }
 
-}  // namespace
+}  // namespace resolution_test
 }  // namespace strake

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace start_test {
 
 /// Water 0.5 m deep in a tank of 2 m by 1 m, with one rigid body.
 CaseView tank() {
@@ -219,5 +219,5 @@ TEST(Start, ACompareBlockOfAProbeThatTheRunHasNotIsSaid) {
   EXPECT_EQ(judged_lines(view, columns).size(), 1u) << "water alone has no load on a body";
 }
 
-}  // namespace
+}  // namespace start_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <set>
 
 namespace strake {
-namespace {
+namespace summary_test {
 
 std::set<std::string> keys(const nlohmann::ordered_json& json) {
   std::set<std::string> names;
@@ -352,5 +352,5 @@ TEST(Summary, KeepsAVerdictThatWasNotReachedApartFromAFailure) {
                                                              "tolerance", "pass", "kind", "source"}));
 }
 
-}  // namespace
+}  // namespace summary_test
 }  // namespace strake

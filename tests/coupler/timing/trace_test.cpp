@@ -1,6 +1,7 @@
 #include "coupler/run/run_folder.hpp"
 #include "coupler/timing/profile.hpp"
 #include "coupler/timing/run_clocks.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -14,7 +15,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace trace_test {
 
 constexpr std::int64_t us = 1000;  // [ns]
 
@@ -230,5 +231,5 @@ TEST(Profile, CountsTwoThatComputeAtOnceOnce) {
   EXPECT_NEAR(profile.seconds().total(), 200e-6, 1e-12);
 }
 
-}  // namespace
+}  // namespace trace_test
 }  // namespace strake

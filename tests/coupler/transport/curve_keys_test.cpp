@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 
 namespace strake {
-namespace {
+namespace curve_keys_test {
 
 namespace fs = std::filesystem;
 
@@ -102,5 +102,5 @@ TEST_F(Keys, AreRefusedWhereOthersMayHaveReadThemOrTheyAreDamaged) {
   expect_golden(fs::path(STRAKE_SOURCE_DIR) / "tests/text/key_errors.txt", texts);
 }
 
-}  // namespace
+}  // namespace curve_keys_test
 }  // namespace strake

@@ -5,7 +5,7 @@
 #include <string>
 
 namespace strake {
-namespace {
+namespace endpoint_test {
 
 TEST(Endpoint, AnAddressThatCanBeBoundHasNoProblem) {
   for (const char* good :
@@ -36,5 +36,5 @@ TEST(Endpoint, WhatIsWrongIsSaidInWords) {
   expect_words("ipc://" + std::string(unix_path + 1, 'a'), "has a path of 108 bytes");
 }
 
-}  // namespace
+}  // namespace endpoint_test
 }  // namespace strake

@@ -9,7 +9,7 @@
 #include <algorithm>
 
 namespace strake {
-namespace {
+namespace network_test {
 
 TEST_F(Network, HoldersOfAListedKeyComeInAndAreKnownByIt) {
   CouplerSocket coupler("tcp://127.0.0.1:*", {coupler_keys(), false});
@@ -152,5 +152,5 @@ TEST_F(Network, TheCommandLineOfOneStartedByHandCanBePastedIntoAShell) {
   EXPECT_TRUE(line.ends_with(" --set 'title=it'\\''s'")) << line;
 }
 
-}  // namespace
+}  // namespace network_test
 }  // namespace strake

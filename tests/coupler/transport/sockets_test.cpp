@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace sockets_test {
 
 using std::chrono::milliseconds;
 
@@ -85,5 +85,5 @@ TEST(CouplerSocket, AConnectionThatIsClosedNoLongerStands) {
   EXPECT_TRUE(coupler.left(peer)) << "it was closed at the other end";
 }
 
-}  // namespace
+}  // namespace sockets_test
 }  // namespace strake

@@ -18,7 +18,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace strangers_test {
 
 TEST_F(Network, GarbageIsNamedAndTheRightOneStillComesIn) {
   for (const bool encrypted : {false, true}) {
@@ -260,5 +260,5 @@ TEST(StrangerLog, ToldOnceThenByNumberEverMoreRarely) {
   EXPECT_EQ(harmless(std::string(500, 'x')).size(), 203u);
 }
 
-}  // namespace
+}  // namespace strangers_test
 }  // namespace strake

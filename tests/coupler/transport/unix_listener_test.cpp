@@ -26,7 +26,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace unix_listener_test {
 
 namespace fs = std::filesystem;
 
@@ -229,5 +229,5 @@ TEST_F(Listener, OfRunsThatStartAtOnceOneGetsThePath) {
   EXPECT_EQ(names(), Names{});
 }
 
-}  // namespace
+}  // namespace unix_listener_test
 }  // namespace strake

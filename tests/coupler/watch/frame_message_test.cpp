@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace strake::watch {
-namespace {
+namespace frame_message_test {
 
 /// A square of one cell, moved down by a tenth of a metre, one corner bent by a hundredth.
 Frame plate(double time) {
@@ -187,5 +187,5 @@ TEST(FrameCache, ShowsTheWetInterfaceOfAStructureWithoutFrames) {
   EXPECT_GT(cache.read("structure", 0)->position.cols(), 2);
 }
 
-}  // namespace
+}  // namespace frame_message_test
 }  // namespace strake::watch

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "coupler/watch/web/http_api.hpp"
+#include "proto/files/json_file.hpp"
 #include "proto/files/result_file.hpp"
 #include "tests/coupler/watch/watch_files.hpp"
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <cstring>
@@ -14,8 +14,6 @@
 #include <vector>
 
 namespace strake::watch {
-
-using Json = nlohmann::json;
 
 /// Two particles of water, one of the wall, one of the structure's.
 inline Frame water(double time) {

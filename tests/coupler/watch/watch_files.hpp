@@ -2,6 +2,7 @@
 
 #include "coupler/run/run_folder.hpp"
 #include "coupler/transport/system_calls.hpp"
+#include "tests/proto/temporary_folder.hpp"
 
 #include <fmt/format.h>
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 namespace strake::watch {
-namespace {
+namespace watch_page_test {
 
 TEST_F(PageOfARun, TellsWhatTheFilesHold) {
   const Json run = json("api/run");
@@ -238,5 +238,5 @@ TEST_F(Served, SaysThatAPortIsTaken) {
   EXPECT_THROW(Server(api, {.bind = "203.0.113.9", .port = 0, .token = "t"}), Error);
 }
 
-}  // namespace
+}  // namespace watch_page_test
 }  // namespace strake::watch

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 namespace strake::watch {
-namespace {
+namespace watch_test {
 
 TEST(TableTail, TakesALineOnceItIsWhole) {
   const TemporaryFolder folder;
@@ -296,5 +296,5 @@ TEST(PlainLines, AreOneTableWithoutControlCharacters) {
   EXPECT_EQ(count("largest 997.5 µm at 3 ms"), 1) << text;
 }
 
-}  // namespace
+}  // namespace watch_test
 }  // namespace strake::watch

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace air_layer_test {
 
 using std::numbers::pi;
 
@@ -253,5 +253,5 @@ TEST(AirLayer, AirAndSurfaceAgreeOnAGapForAnyPush) {
       }
 }
 
-}  // namespace
+}  // namespace air_layer_test
 }  // namespace strake::fluid

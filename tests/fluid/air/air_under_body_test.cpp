@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
+namespace air_under_body_test {
 
 /// A wedge with its apex at (x, y), walked from there, 0.2 m wide.
 InterfaceMesh wedge(double x, double y) {
@@ -112,5 +112,5 @@ TEST(AirUnderBody, HalfTheStepGivesTheSameImpulse) {
   EXPECT_NEAR(impulse_with(1, 1.25e-6), whole, 0.03 * whole);
 }
 
-}  // namespace
+}  // namespace air_under_body_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace columns_under_triangles_test {
 
 using std::numbers::pi;
 
@@ -180,5 +180,5 @@ TEST(NearColumns, FindsNoneASpacingPastThem) {
     }
 }
 
-}  // namespace
+}  // namespace columns_under_triangles_test
 }  // namespace strake::fluid

@@ -7,7 +7,7 @@
 #include <utility>
 
 namespace strake::fluid {
-namespace {
+namespace surface_response_test {
 
 using std::numbers::pi;
 
@@ -121,5 +121,5 @@ TEST(SurfaceResponse, ALongStripInSpaceIsTheLine) {
     EXPECT_NEAR(in_space[i * across + across / 2], in_plane[i], 0.02 * std::abs(in_plane[0])) << i;
 }
 
-}  // namespace
+}  // namespace surface_response_test
 }  // namespace strake::fluid

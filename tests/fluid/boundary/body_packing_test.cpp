@@ -17,7 +17,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace body_packing_test {
 
 constexpr double l0 = 0.01, g = 9.81;
 
@@ -319,5 +319,5 @@ TEST(BodyPacking, RefusesAGapThatWaterCannotFill) {
   EXPECT_NO_THROW(Simulation<2>(pool(), on_floor, Points::Zero(3, on_floor.position.cols())));
 }
 
-}  // namespace
+}  // namespace body_packing_test
 }  // namespace strake::fluid

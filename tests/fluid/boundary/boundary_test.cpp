@@ -16,7 +16,7 @@
 #include <tuple>
 
 namespace strake::fluid {
-namespace {
+namespace boundary_test {
 
 constexpr double l0 = 0.01;
 
@@ -392,5 +392,5 @@ TEST(Boundary, BodiesInTheWaterOrOutsideTheTankAreRefused) {
   EXPECT_THROW(Scene(rectangle(-0.4, 0.05, 0.8, 0.02, l0)), Error);
 }
 
-}  // namespace
+}  // namespace boundary_test
 }  // namespace strake::fluid

@@ -8,7 +8,7 @@
 #include <algorithm>
 
 namespace strake::fluid {
-namespace {
+namespace fill_test {
 
 Parameters paper_tank() {
   Parameters parameters;
@@ -99,5 +99,5 @@ TEST(Fill, a_spacing_too_coarse_for_the_depth_is_refused) {
   EXPECT_NE(text.find("fluid.spacing"), std::string::npos) << text;
 }
 
-}  // namespace
+}  // namespace fill_test
 }  // namespace strake::fluid

@@ -12,7 +12,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace tank_test {
 
 constexpr double l0 = 0.01;
 using Corners = std::vector<Eigen::Vector3d>;
@@ -377,5 +377,5 @@ TEST(Tank, TheSineOfATankIsSmoothFromItsRampOn) {
   EXPECT_EQ(motion.at(0).acceleration.norm(), 0);
 }
 
-}  // namespace
+}  // namespace tank_test
 }  // namespace strake::fluid

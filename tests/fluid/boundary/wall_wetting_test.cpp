@@ -9,7 +9,7 @@
 #include <cstdint>
 
 namespace strake::fluid {
-namespace {
+namespace wall_wetting_test {
 
 constexpr double l0 = 0.01, width = 0.04;
 
@@ -170,5 +170,5 @@ TEST(WallContact, EdgesOfATankThatSwaysOverASeamKeepTheirDirection) {
     }
 }
 
-}  // namespace
+}  // namespace wall_wetting_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace read_parameters_test {
 
 const std::string tank = R"(
 end_time = 0.03
@@ -204,5 +204,5 @@ TEST(FluidKeys, declarations_need_no_case) {
   EXPECT_TRUE(found);
 }
 
-}  // namespace
+}  // namespace read_parameters_test
 }  // namespace strake::fluid

@@ -13,7 +13,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace tank_keys_test {
 
 /// A case with that in [fluid] beside its spacing, 2 cm.
 std::string fluid_case(const std::string& keys) {
@@ -202,5 +202,5 @@ TEST(TankKeys, a_table_moves_the_tank_and_belongs_to_the_cases_hash) {
   expect_error(keys, "rising order", where.string());
 }
 
-}  // namespace
+}  // namespace tank_keys_test
 }  // namespace strake::fluid

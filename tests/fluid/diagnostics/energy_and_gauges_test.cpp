@@ -11,7 +11,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace energy_and_gauges_test {
 
 /// Lattice points of a box nx × ny (× nz) whose lower corner is the origin.
 template <int dim>
@@ -191,5 +191,5 @@ TEST(Gauges, read_nothing_of_what_is_left_out_on_ranks) {
   }
 }
 
-}  // namespace
+}  // namespace energy_and_gauges_test
 }  // namespace strake::fluid

@@ -6,7 +6,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace guard_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -253,5 +253,5 @@ TEST(Guard, TripsOnTheRunsOfNewcomersThatWereWrong) {
   }
 }
 
-}  // namespace
+}  // namespace guard_test
 }  // namespace strake::fluid

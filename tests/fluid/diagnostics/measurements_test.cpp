@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
+namespace measurements_test {
 
 TEST(Measurements, AreReadBackFromAnArchive) {
   Measurements written;
@@ -47,5 +47,5 @@ TEST(Measurements, VoidsThatWereNotComputedAreNoNumberFromThenOn) {
   EXPECT_TRUE(std::isnan(read.of_record(read.internal_voids)));
 }
 
-}  // namespace
+}  // namespace measurements_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace voids_test {
 
 constexpr double l0 = 0.02;
 
@@ -262,5 +262,5 @@ TEST(Voids, air_that_water_shuts_in_stays_air_and_a_hole_that_opens_inside_is_no
   EXPECT_EQ(voids.all, hole + pocket);
 }
 
-}  // namespace
+}  // namespace voids_test
 }  // namespace strake::fluid

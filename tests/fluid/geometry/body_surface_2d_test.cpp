@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace body_surface_2d_test {
 
 using Places = std::vector<Eigen::Vector2d>;
 
@@ -254,5 +254,5 @@ TEST(BodySurface2d, CornersBetweenEdgesOfOnePieceTurnWithTheBody) {
   }
 }
 
-}  // namespace
+}  // namespace body_surface_2d_test
 }  // namespace strake::fluid

@@ -18,7 +18,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace body_surface_3d_test {
 
 using Eigen::Vector3d;
 
@@ -391,5 +391,5 @@ TEST(BodySurface3d, OpenAndInvertedSurfacesAreRefused) {
   EXPECT_THROW(BodySurface3d(mesh, l0, reach), Error);
 }
 
-}  // namespace
+}  // namespace body_surface_3d_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace fading_chine_test {
 
 using Eigen::Vector3d;
 
@@ -152,5 +152,5 @@ TEST(FadingChine, AtTheBowTheChineIsNoEdge) {
   EXPECT_FALSE(body.separates(a, body.near(a, reach).triangle, b, body.near(b, reach).triangle));
 }
 
-}  // namespace
+}  // namespace fading_chine_test
 }  // namespace strake::fluid

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace fading_edge_test {
 
 using Eigen::Vector3d;
 
@@ -178,5 +178,5 @@ TEST(FadingEdge, AmidshipsTheKeelIsNoEdge) {
   for (const int side : {1, -1}) EXPECT_TRUE(body.faces(wet_point(body, {0.02, -0.11, 0.01 * side}), below));
 }
 
-}  // namespace
+}  // namespace fading_edge_test
 }  // namespace strake::fluid

@@ -15,7 +15,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace flared_chine_test {
 
 using Eigen::Vector3d;
 
@@ -168,5 +168,5 @@ TEST(FlaredChine, FarFromTheChineNoneCounts) {
   EXPECT_GT(looked, 10);
 }
 
-}  // namespace
+}  // namespace flared_chine_test
 }  // namespace strake::fluid

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace wet_points_test {
 
 using Eigen::Vector3d;
 
@@ -61,5 +61,5 @@ TEST(TriangleGrid, ThereIsNoPlaceBeyondTheLimit) {
   EXPECT_FALSE(is_none({0.05, 0.109, 0}));
 }
 
-}  // namespace
+}  // namespace wet_points_test
 }  // namespace strake::fluid

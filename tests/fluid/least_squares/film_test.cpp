@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace film_test {
 
 /// B of a lattice's particle with `below` rows under it and `above` rows over it, weights of the radius 2.1.
 template <int dim>
@@ -56,5 +56,5 @@ TEST(Film, TheShareRisesLinearlyBetweenTheTwoRatiosWhateverTheDirection) {
   }
 }
 
-}  // namespace
+}  // namespace film_test
 }  // namespace strake::fluid

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace keel_test {
 
 constexpr double l0 = 0.01, dt = 1e-4;
 
@@ -72,5 +72,5 @@ TEST(LeastSquaresScheme, PressureAtAKeelUnderWaterLiesWithinThatOfTheWaterAround
   }
 }
 
-}  // namespace
+}  // namespace keel_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace projection_test {
 
 constexpr double l0 = 0.01;
 
@@ -64,5 +64,5 @@ TEST(Projection, ShortStepsDampAlternatingPressuresAsAStepOfSoundDoes) {
   EXPECT_LT(std::abs(many), one);
 }
 
-}  // namespace
+}  // namespace projection_test
 }  // namespace strake::fluid

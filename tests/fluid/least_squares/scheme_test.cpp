@@ -11,7 +11,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace scheme_test {
 
 constexpr double dt = 1e-3;
 
@@ -338,5 +338,5 @@ TEST(LeastSquaresScheme, WallIsNotSeenBeforeWaterTouchesIt) {
   EXPECT_GT(wet.simulation.interface_force().row(1).sum(), 0);
 }
 
-}  // namespace
+}  // namespace scheme_test
 }  // namespace strake::fluid

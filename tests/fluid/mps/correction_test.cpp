@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace correction_test {
 
 constexpr double l0 = 0.01, dt = 1e-4, mass = 1000 * l0 * l0;
 
@@ -230,5 +230,5 @@ TEST(FaceLevel, UniformPressureMovesNoWaterAlongTheNormalOfAFaceAtAnyDistance) {
   }
 }
 
-}  // namespace
+}  // namespace correction_test
 }  // namespace strake::fluid

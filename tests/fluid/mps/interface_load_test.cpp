@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace interface_load_test {
 
 constexpr double l0 = 0.01;
 
@@ -73,5 +73,5 @@ TEST(InterfaceLoad, DryFacesFeelNothingFromTheFaceIntegral) {
   for (int k = 20; k < scene.boundary.body_surface().points(); ++k) EXPECT_EQ(force.col(k).norm(), 0);
 }
 
-}  // namespace
+}  // namespace interface_load_test
 }  // namespace strake::fluid

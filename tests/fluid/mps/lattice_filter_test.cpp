@@ -9,7 +9,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace lattice_filter_test {
 
 constexpr double l0 = 0.01, pressure = 5e3, density = 1000, dt = 5e-5;
 
@@ -92,5 +92,5 @@ TEST(LatticeFilter, AColumnUnderItsOwnWeightStaysStill) {
   EXPECT_LT(on, 0.5 * off);
 }
 
-}  // namespace
+}  // namespace lattice_filter_test
 }  // namespace strake::fluid

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 namespace strake::fluid {
-namespace {
+namespace number_density_test {
 
 constexpr double l0 = 0.01;
 
@@ -126,5 +126,5 @@ TEST(SurfaceFlags, dummies_are_never_surface_and_a_dry_wall_row_is) {
   EXPECT_EQ(flags[22], 1);
 }
 
-}  // namespace
+}  // namespace number_density_test
 }  // namespace strake::fluid

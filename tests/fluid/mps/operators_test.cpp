@@ -6,7 +6,7 @@
 #include <omp.h>
 
 namespace strake::fluid {
-namespace {
+namespace operators_test {
 
 constexpr double l0 = 0.01;
 
@@ -221,5 +221,5 @@ TEST(Operators, a_seam_of_periodic_water_is_as_its_middle) {
             1e-7);
 }
 
-}  // namespace
+}  // namespace operators_test
 }  // namespace strake::fluid

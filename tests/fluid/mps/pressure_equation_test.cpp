@@ -11,7 +11,7 @@
 #include <limits>
 
 namespace strake::fluid {
-namespace {
+namespace pressure_equation_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity(), spacing = 0.01;
 
@@ -144,5 +144,5 @@ TEST(Pressure, UnfinishedSolutionSaysSo) {
   EXPECT_GT(solution.residual, 1e-3);
 }
 
-}  // namespace
+}  // namespace pressure_equation_test
 }  // namespace strake::fluid

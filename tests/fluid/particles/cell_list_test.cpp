@@ -12,7 +12,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace cell_list_test {
 
 using std::size_t;
 constexpr double l0 = 0.01, radius = 3.1 * l0, skin = 0.2 * l0;
@@ -204,5 +204,5 @@ TEST(RunningSum, sums_are_those_of_one_thread_and_may_replace_their_sizes) {
   omp_set_num_threads(1);
 }
 
-}  // namespace
+}  // namespace cell_list_test
 }  // namespace strake::fluid

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::fluid {
-namespace {
+namespace kernel_test {
 
 struct Row {
   double radius, n0, lambda;
@@ -50,5 +50,5 @@ TEST(Weight, is_zero_at_and_beyond_the_radius_and_at_the_particle_itself) {
   EXPECT_DOUBLE_EQ(weight(1.0, 2.1), 1.1);
 }
 
-}  // namespace
+}  // namespace kernel_test
 }  // namespace strake::fluid

@@ -11,7 +11,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace neighbours_test {
 
 template <int dim>
 std::vector<std::vector<std::int32_t>> every_pair(const Vectors<dim>& position, double radius,
@@ -316,5 +316,5 @@ TEST(Neighbours, asked_pairs_do_not_depend_on_the_number_of_threads) {
   omp_set_num_threads(1);
 }
 
-}  // namespace
+}  // namespace neighbours_test
 }  // namespace strake::fluid

@@ -15,7 +15,7 @@
 #include <type_traits>
 
 namespace strake::fluid {
-namespace {
+namespace reorder_test {
 
 std::vector<std::int32_t> shuffled(std::int64_t n) {
   std::vector<std::int32_t> order(static_cast<std::size_t>(n));
@@ -156,5 +156,5 @@ TEST(Reorder, a_run_restarted_before_or_at_a_reordering_goes_on_with_the_same_bi
   }
 }
 
-}  // namespace
+}  // namespace reorder_test
 }  // namespace strake::fluid

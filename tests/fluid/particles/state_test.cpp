@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace state_test {
 
 // That the sizes add up is asserted where State is defined: a member listed twice could hide one that is not.
 TEST(State, EachMemberIsListedOnce) {
@@ -83,5 +83,5 @@ TEST(State, ADifferenceInOneMemberIsNamed) {
   EXPECT_EQ(differences(state, other), " velocity behind_walls");
 }
 
-}  // namespace
+}  // namespace state_test
 }  // namespace strake::fluid

@@ -12,7 +12,7 @@
 // The pressure that ranks solve together, against that of one rank.
 
 namespace strake::fluid {
-namespace {
+namespace pressure_test {
 
 template <int dim>
 struct Solved {
@@ -130,5 +130,5 @@ TEST(RankedPressure, CarriesAColumnAsFarAsOneRank) {
     EXPECT_NEAR(front(together(flow, count).state), front(one.state()), 0.1 * flow.p.spacing);
 }
 
-}  // namespace
+}  // namespace pressure_test
 }  // namespace strake::fluid

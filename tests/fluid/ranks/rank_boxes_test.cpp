@@ -13,7 +13,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace rank_boxes_test {
 
 using Box = std::array<double, 6>;
 constexpr double far = std::numeric_limits<double>::max();
@@ -163,5 +163,5 @@ TEST(RankBoxes, TheAnswerForAStretchIsThatOfItsPlaces) {
   }
 }
 
-}  // namespace
+}  // namespace rank_boxes_test
 }  // namespace strake::fluid

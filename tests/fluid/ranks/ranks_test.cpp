@@ -15,7 +15,7 @@
 #include <string>
 
 namespace strake::fluid {
-namespace {
+namespace ranks_test {
 
 /// The state of the whole fluid after all steps.
 template <int dim>
@@ -357,5 +357,5 @@ TEST(Ranks, TheStableStepIsThatOfOneRank) {
   }
 }
 
-}  // namespace
+}  // namespace ranks_test
 }  // namespace strake::fluid

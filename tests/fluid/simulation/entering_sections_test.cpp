@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace entering_sections_test {
 
 using Places = std::vector<Eigen::Vector2d>;
 
@@ -125,5 +125,5 @@ TEST(EnteringSections, WaterCrossesTheKeelOfAVThatHeelsWithoutBlows) {
   EXPECT_GT(least, 0.75);
 }
 
-}  // namespace
+}  // namespace entering_sections_test
 }  // namespace strake::fluid

@@ -16,7 +16,7 @@
 // What an observer who turns, moves, or looks over a seam must find the same.
 
 namespace strake::fluid {
-namespace {
+namespace invariance_test {
 
 constexpr auto absent = MotionColumn::absent;
 
@@ -126,5 +126,5 @@ TEST(Invariance, APlateBesideASeamHasTheForceOfOneInTheMiddle) {
     EXPECT_NEAR(force_beside_seam(spacings), middle, 1e-5 * middle) << spacings;
 }
 
-}  // namespace
+}  // namespace invariance_test
 }  // namespace strake::fluid

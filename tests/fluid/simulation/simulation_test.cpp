@@ -11,7 +11,7 @@
 #include <limits>
 
 namespace strake::fluid {
-namespace {
+namespace simulation_test {
 
 /// A small plate that strikes a small tank: contact after some 20 steps.
 struct SmallEntry {
@@ -274,5 +274,5 @@ TEST(Simulation, WallsBehindABodyThatCoversThemStayDry) {
   EXPECT_GT(wet_above, 30);
 }
 
-}  // namespace
+}  // namespace simulation_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
+namespace turbulence_test {
 
 constexpr double l0 = 0.01;
 
@@ -215,5 +215,5 @@ TEST(Viscosity, a_parabolic_profile_feels_twice_nu_times_its_curvature) {
   }
 }
 
-}  // namespace
+}  // namespace turbulence_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace viscosity_test {
 
 using std::numbers::pi;
 
@@ -210,5 +210,5 @@ TEST(Viscosity, the_step_limit_is_an_eighth_of_the_diffusion_time_of_a_spacing) 
   EXPECT_DOUBLE_EQ(viscous_limit(p, 4.0), 0.125e-4 / 1e-3);
 }
 
-}  // namespace
+}  // namespace viscosity_test
 }  // namespace strake::fluid

@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace strake::fluid {
-namespace {
+namespace wall_law_test {
 
 // u⁺ = y⁺ at the face, u⁺ = ln(y⁺)/0.41 + 5.0 far from it. At y⁺ = 1000 the logarithm gives 21.85.
 TEST(WallLaw, is_the_straight_line_at_the_face_and_the_logarithm_far_from_it) {
@@ -77,5 +77,5 @@ TEST(WallLaw, a_resolved_layer_and_a_flow_without_a_model_keep_the_straight_line
   }
 }
 
-}  // namespace
+}  // namespace wall_law_test
 }  // namespace strake::fluid

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace elastic_tube_test {
 
 using models::quasi_newton;
 using models::TubeRun;
@@ -69,5 +69,5 @@ TEST(ElasticTube, ConvergesWithAitkenFromAnyInitialRelaxation) {
   }
 }
 
-}  // namespace
+}  // namespace elastic_tube_test
 }  // namespace strake

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace one_sided_water_test {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -99,5 +99,5 @@ TEST(OneSidedWater, ConvergesInEveryWindowThoughColumnsFromAcrossAKinkMislead) {
   }
 }
 
-}  // namespace
+}  // namespace one_sided_water_test
 }  // namespace strake

@@ -12,7 +12,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace oscillator_test {
 
 using Eigen::Vector3d;
 using std::numbers::pi;
@@ -217,5 +217,5 @@ TEST(TwoMassOscillator, RefusesSamplesOfAStructureThatLieOutsideTheWindow) {
   }
 }
 
-}  // namespace
+}  // namespace oscillator_test
 }  // namespace strake

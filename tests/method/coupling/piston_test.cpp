@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace piston_test {
 
 using Eigen::VectorXd;
 
@@ -142,5 +142,5 @@ TEST(Piston, ConvergesAtOnceWithTheBestConstantRelaxation) {
   }
 }
 
-}  // namespace
+}  // namespace piston_test
 }  // namespace strake

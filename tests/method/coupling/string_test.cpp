@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace string_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -106,5 +106,5 @@ TEST(StringInFluid, DivergesUnderExplicitCoupling) {
   for (const double amplitude : {0.2, 2.0, 10.0}) EXPECT_GT(explicit_growth(amplitude), 1e3);
 }
 
-}  // namespace
+}  // namespace string_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <functional>
 
 namespace strake {
-namespace {
+namespace subcycling_test {
 
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
@@ -232,5 +232,5 @@ TEST(Interpolation, IsExactForPolynomialsOfItsDegreeAndTheirMeans) {
   EXPECT_EQ(value_at(samples, "force", 0.6, Interpolation::quadratic).value(), f(0.5));
 }
 
-}  // namespace
+}  // namespace subcycling_test
 }  // namespace strake

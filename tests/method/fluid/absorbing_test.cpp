@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace absorbing_test {
 
 struct Column {
   double peak = 0;  // largest pressure on the plate while it moves, over ρcV
@@ -104,5 +104,5 @@ TEST(Absorbing, StillWaterStaysBetweenWallsThatYield) {
   EXPECT_EQ(state.lost, 0);
 }
 
-}  // namespace
+}  // namespace absorbing_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace elliptic_drop_test {
 
 /// Semi-axes [m], energy [J/m] and centre's speed [m/s] of a drop that started round, R = 1 m, with
 /// u = x, v = −y, at t = 1 s.
@@ -68,5 +68,5 @@ TEST(EllipticDrop, IsDrawnOutByItsOwnMotion) {
   }
 }
 
-}  // namespace
+}  // namespace elliptic_drop_test
 }  // namespace strake::fluid

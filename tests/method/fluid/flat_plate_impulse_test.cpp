@@ -9,7 +9,7 @@
 #include <optional>
 
 namespace strake::fluid {
-namespace {
+namespace flat_plate_impulse_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -183,5 +183,5 @@ TEST(FlatPlate, CompressibleImpulseHardlyDependsOnTheSpacing) {
   EXPECT_NEAR(fine / 1.264, 1, 0.05);
 }
 
-}  // namespace
+}  // namespace flat_plate_impulse_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace heaving_box_test {
 
 // A floating box heaves by 8 mm about a place 8 mm deeper, at 0.039 m/s at most. The water turns round its
 // sharp corners. While particles lost sight of each other behind a corner, single ones were thrown at 0.25
@@ -107,5 +107,5 @@ TEST(SqueezedBox, SuctionIsAsLargeAsThePushOfTheOtherDirection) {
   EXPECT_NEAR(in + out, 2 * still, 0.01 * (out - in));
 }
 
-}  // namespace
+}  // namespace heaving_box_test
 }  // namespace strake::fluid

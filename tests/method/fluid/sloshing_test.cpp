@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace strake::fluid {
-namespace {
+namespace sloshing_test {
 
 constexpr double g = 9.81, pi = std::numbers::pi;
 constexpr double length = 1.0, depth = 0.4;  // [m]
@@ -159,5 +159,5 @@ TEST(Sloshing, ATankThatIsTurnedSlowlyKeepsALevelSurface) {
   EXPECT_EQ(simulation.state().lost, 0);
 }
 
-}  // namespace
+}  // namespace sloshing_test
 }  // namespace strake::fluid

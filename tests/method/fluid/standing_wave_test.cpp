@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace standing_wave_test {
 
 /// Period of the wave [s], from its first and its third zero.
 double period(double spacing) {
@@ -38,5 +38,5 @@ TEST(StandingWave, PeriodConvergesWithMoreThanTheOrderThreeHalves) {
   EXPECT_GT(std::log2(std::abs(coarse / middle)), 1.5);
 }
 
-}  // namespace
+}  // namespace standing_wave_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <limits>
 
 namespace strake::fluid {
-namespace {
+namespace still_tank_test {
 
 struct Tank {
   Gradient gradient;
@@ -111,7 +111,8 @@ TEST(StillTank, FloorCarriesTheWeightWithTheCorrectedGradient) {
   expect_weight({Gradient::corrected, 0.3, 0.6, 0.01, 5e-4, 0.05, 0.25});
 }
 // The square lattice deforms under the symmetric gradient, and the water heaves until it has settled. Then
-// the sensor's mean over half a second scatters by 0.6 % (18 means in six tanks), so three times that is used.
+// the sensor's mean over half a second scatters by 0.6 % (18 means in six tanks), so three times that is
+// used.
 TEST(StillTank, FloorCarriesTheWeightWithTheSymmetricGradientOnceTheLatticeHasSettled) {
   expect_weight({Gradient::pairwise, 1.0, 0.5, 0.02, 1e-3, 0.5, 2.0});
 }
@@ -144,5 +145,5 @@ TEST(StillTank, ABodyThatIsItsFloorFromWallToWallCarriesTheWeight) {
   EXPECT_LT(worst, 0.02);
 }
 
-}  // namespace
+}  // namespace still_tank_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <random>
 
 namespace strake::fluid {
-namespace {
+namespace tank_test {
 
 constexpr double g = 9.81;
 
@@ -241,5 +241,5 @@ TEST(Tank, WaterSlidesBetweenSmoothPlatesThatGoOnForEver) {
   EXPECT_LE(simulation.state().position.leftCols(water).row(0).maxCoeff(), 0.2);
 }
 
-}  // namespace
+}  // namespace tank_test
 }  // namespace strake::fluid

@@ -10,7 +10,7 @@
 #include <limits>
 
 namespace strake::fluid {
-namespace {
+namespace vortex_test {
 
 // The pressure in water that turns with U = 2 m/s falls below the air's. ρU² is larger than the depth's ρg
 // 0.15 m. No air can get there.
@@ -37,5 +37,5 @@ TEST(Vortex, ACoreBelowThePressureOfTheAirStaysClosed) {
   EXPECT_EQ(state.lost, 0);
 }
 
-}  // namespace
+}  // namespace vortex_test
 }  // namespace strake::fluid

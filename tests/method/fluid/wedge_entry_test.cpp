@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace strake::fluid {
-namespace {
+namespace wedge_entry_test {
 
 /// A section half a metre wide with faces of two deadrises, and a body above its chines. Its keel is half a
 /// spacing over the water.
@@ -197,5 +197,5 @@ TEST(WedgeEntry, ContactPassesFacesOfLowDeadriseWithoutABlow) {
     }
 }
 
-}  // namespace
+}  // namespace wedge_entry_test
 }  // namespace strake::fluid

@@ -9,7 +9,7 @@
 #include <memory>
 
 namespace strake::structure::fem {
-namespace {
+namespace fem_flag_test {
 
 // CSM1 of Turek & Hron 2006, finest lines of FeatFlow's table: (−7.1878, −66.1029) mm.
 TEST(Flag, HangsUnderItsWeightAsTheBenchmarkHasIt) {
@@ -82,5 +82,5 @@ TEST(Flag, OfRubberTakesABlowInFewIterations) {
   }
 }
 
-}  // namespace
+}  // namespace fem_flag_test
 }  // namespace strake::structure::fem

@@ -8,7 +8,7 @@
 #include <string>
 
 namespace strake::structure::fem {
-namespace {
+namespace fem_locking_test {
 
 constexpr Material cook_plane_stress{
     .model = MaterialModel::linear, .density = 1, .young = 1, .poisson = 1 / 3.0, .plane_stress = true};
@@ -113,5 +113,5 @@ TEST(Locking, DistortedEnhancedCellsPassThePatchTest) {
   }
 }
 
-}  // namespace
+}  // namespace fem_locking_test
 }  // namespace strake::structure::fem

@@ -13,7 +13,7 @@
 #include <vector>
 
 namespace strake::structure::fem {
-namespace {
+namespace fem_strip_test {
 
 struct Strip {
   std::string name;
@@ -312,5 +312,5 @@ TEST(FemSpace, ConvergesOnASmoothSolutionWithOneOrderMoreThanItsDegree) {
   }
 }
 
-}  // namespace
+}  // namespace fem_strip_test
 }  // namespace strake::structure::fem

@@ -10,7 +10,7 @@
 #include <tuple>
 
 namespace strake::structure::fem {
-namespace {
+namespace fem_support_test {
 
 TEST(FemFrame, ADropKeepsMomentumAndEnergy) {
   for (const MaterialModel model : {MaterialModel::linear, MaterialModel::saint_venant_kirchhoff})
@@ -111,5 +111,5 @@ TEST(FemStart, ProfilesAndPartsAddToTheVelocityOfTheBody) {
   EXPECT_NEAR(solver.velocity_at({0.1, 0.01, 0}).x(), 1, 1e-12);
 }
 
-}  // namespace
+}  // namespace fem_support_test
 }  // namespace strake::structure::fem

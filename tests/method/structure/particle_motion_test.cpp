@@ -16,7 +16,7 @@
 #include <utility>
 
 namespace strake::structure {
-namespace {
+namespace particle_motion_test {
 
 double order(double coarse, double fine) {
   return std::log2(std::abs(coarse) / std::abs(fine));
@@ -273,5 +273,5 @@ TEST(ParticleMotion, ACrackDoesNotCareForTheLatticesOrientation) {
   EXPECT_LT(most[1] / least[1], 1.2);
 }
 
-}  // namespace
+}  // namespace particle_motion_test
 }  // namespace strake::structure

@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
+namespace particle_strip_test {
 
 // cases/VALIDATION.md, "Strips: deflection and frequencies": 2-D plane-strain references of the 0.4 × 0.02 m
 // steel strip, q = 1e5 Pa.
@@ -188,5 +188,5 @@ TEST(ParticleStrip, HeldForceOfAnAddedMassFeedsNoEnergyInLongWindows) {
   EXPECT_LT(peak, 1.05 * start_with_water);
 }
 
-}  // namespace
+}  // namespace particle_strip_test
 }  // namespace strake::structure

@@ -12,7 +12,7 @@
 #include <tuple>
 
 namespace strake::structure {
-namespace {
+namespace particle_support_test {
 
 Parameters flag_of_particles(int layers) {
   Parameters p = flag(100, 8);
@@ -161,5 +161,5 @@ TEST(ParticleFrame, CheckpointsAndRewindsAreBitEqual) {
   expect_checkpoints_and_rewinds_to_be_bit_equal<ParticleSolver<2>>(dropped_plate());
 }
 
-}  // namespace
+}  // namespace particle_support_test
 }  // namespace strake::structure

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace case_bodies_test {
 
 const std::string two =
     "end_time = 1\n"
@@ -98,5 +98,5 @@ TEST(Bodies, AreRefusedWithWords) {
   EXPECT_NE(refusal(two + probe + "\"structure\"\n").find("left"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace case_bodies_test
 }  // namespace strake

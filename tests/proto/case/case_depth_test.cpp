@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace case_depth_test {
 
 std::string repeated(const std::string& text, int n) {
   std::string all;
@@ -65,5 +65,5 @@ TEST(CaseDepth, CountsNoDotsAndBracketsOfTextsAndComments) {
   CaseFile::parse(tables, "case.toml");
 }
 
-}  // namespace
+}  // namespace case_depth_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <limits>
 
 namespace strake {
-namespace {
+namespace case_echo_test {
 
 TEST(CaseTable, ReadsAListOfPointsAndEchoesIt) {
   CaseFile file = CaseFile::parse("outline = [[0, 0], [1, 0], [0.5, 1]]\nshort = [[0, 0], [1, 0]]\n");
@@ -214,5 +214,5 @@ TEST(CaseEcho, TheTableOfAProgramStaysWithItsBody) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace case_echo_test
 }  // namespace strake

@@ -11,7 +11,7 @@
 #include <sstream>
 
 namespace strake {
-namespace {
+namespace case_error_test {
 
 const std::filesystem::path texts = std::filesystem::path(STRAKE_SOURCE_DIR) / "tests/text/case_errors.txt";
 
@@ -90,5 +90,5 @@ TEST(CaseError, OfTheCaseExitsThreeAndOfTheCommandLineTwo) {
   }
 }
 
-}  // namespace
+}  // namespace case_error_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <fstream>
 
 namespace strake {
-namespace {
+namespace case_file_test {
 
 TEST(CaseFile, ReadsEveryKindOfValue) {
   const TemporaryFolder folder;
@@ -362,5 +362,5 @@ TEST(Path, SplitsIntoKeysAndIndices) {
   EXPECT_EQ(parent_and_name("a[0].\"b.c\""), (std::pair<std::string, std::string>{"a[0]", "b.c"}));
 }
 
-}  // namespace
+}  // namespace case_file_test
 }  // namespace strake

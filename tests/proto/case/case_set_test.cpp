@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace case_set_test {
 
 TEST(CaseFile, TakesDefaultThenPresetThenCaseThenSet) {
   const std::string text = "preset = \"paper\"\n" + head + "scheme.cfl = 0.3\n";
@@ -92,5 +92,5 @@ TEST(CaseFile, ASetThatIsNoTextIsRefused) {
   EXPECT_NO_THROW(CaseFile::parse("end_time = 1", "case.toml", {"title=Zürich"}));
 }
 
-}  // namespace
+}  // namespace case_set_test
 }  // namespace strake

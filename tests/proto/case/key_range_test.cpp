@@ -3,7 +3,7 @@
 #include "tests/proto/refusal.hpp"
 
 namespace strake {
-namespace {
+namespace key_range_test {
 
 double read(const std::string& text, const NumberKey& key) {
   CaseFile file = CaseFile::parse("key = " + text);
@@ -78,5 +78,5 @@ TEST(KeyRange, TheReferenceShowsTheRange) {
   EXPECT_EQ(file.declared().front().range, "1e-9 to 1e5, or inf");
 }
 
-}  // namespace
+}  // namespace key_range_test
 }  // namespace strake

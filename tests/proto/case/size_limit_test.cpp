@@ -4,7 +4,7 @@
 #include "tests/proto/refusal.hpp"
 
 namespace strake {
-namespace {
+namespace size_limit_test {
 
 CaseFile tank(const std::string& spacing, const std::vector<std::string>& sets = {}) {
   CaseFile file = CaseFile::parse("[fluid]\nspacing = " + spacing + "\n", "case.toml", sets);
@@ -80,5 +80,5 @@ TEST(SizeLimit, TheRemedyIsThatOfWhatTakesMostMemory) {
   EXPECT_EQ(remedy_of(two), "few");
 }
 
-}  // namespace
+}  // namespace size_limit_test
 }  // namespace strake

@@ -14,7 +14,7 @@
 #include <vector>
 
 namespace strake {
-namespace {
+namespace window_choice_test {
 
 const std::string water = R"(
 end_time = 0.02
@@ -341,5 +341,5 @@ TEST(DefaultProbes, GiveWayToThoseOfTheCase) {
             "tip:deflection ");
 }
 
-}  // namespace
+}  // namespace window_choice_test
 }  // namespace strake

@@ -13,7 +13,7 @@
 #include <limits>
 
 namespace strake {
-namespace {
+namespace frame_file_test {
 
 Frame triangle(double time) {
   Frame frame;
@@ -88,5 +88,5 @@ TEST(FrameFile, SeveralBodiesAreOneFrameAndLackedValuesAreNaN) {
   }
 }
 
-}  // namespace
+}  // namespace frame_file_test
 }  // namespace strake

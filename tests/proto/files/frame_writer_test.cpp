@@ -10,7 +10,7 @@
 #include <filesystem>
 
 namespace strake {
-namespace {
+namespace frame_writer_test {
 
 Frame some_frame(int k) {
   Frame frame;
@@ -82,5 +82,5 @@ TEST(FrameWriter, a_resumed_series_goes_on_after_its_checkpoint) {
   EXPECT_EQ(file.number("time"), some_frame(2).time);
 }
 
-}  // namespace
+}  // namespace frame_writer_test
 }  // namespace strake

@@ -10,7 +10,7 @@
 #include <memory>
 
 namespace strake {
-namespace {
+namespace history_test {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 const std::vector<Column> columns{{"time", "s"}, {"force.y", "N"}, {"CFL", "1"}};
@@ -173,5 +173,5 @@ TEST(Table, NamesItsColumnsWhenAskedForAnother) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace strake

@@ -15,7 +15,7 @@
 #include <utility>
 
 namespace strake {
-namespace {
+namespace result_file_test {
 
 Archive some_archive() {
   Archive archive;
@@ -349,5 +349,5 @@ TEST(WriteText, ReplacesAFileWhole) {
   text_of_error([&] { write_text(folder.path(), "a folder stands there"); }, ExitCode::cannot_write);
 }
 
-}  // namespace
+}  // namespace result_file_test
 }  // namespace strake

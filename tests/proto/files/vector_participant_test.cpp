@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace strake {
-namespace {
+namespace vector_participant_test {
 
 /// Adds dt to its state, and says what it came to.
 VectorParticipant counter(Eigen::Index size = 2) {
@@ -52,5 +52,5 @@ TEST(VectorParticipant, RefusesACheckpointOfAnotherSize) {
   EXPECT_THROW(other.resume(folder.path()), Error);
 }
 
-}  // namespace
+}  // namespace vector_participant_test
 }  // namespace strake

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace whole_file_test {
 
 TEST(WholeFile, ReadsAllBytesOfAFile) {
   const TemporaryFolder folder;
@@ -84,5 +84,5 @@ TEST(WholeFile, AProcessThatMustEndRemovesWhatItIsWriting) {
   std::signal(SIGPIPE, before);
 }
 
-}  // namespace
+}  // namespace whole_file_test
 }  // namespace strake

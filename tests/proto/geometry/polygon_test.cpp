@@ -7,7 +7,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace polygon_test {
 
 // An L: the unit square without its upper right quarter.
 const Polygon l_shape = {{0, 0}, {1, 0}, {1, 0.5}, {0.5, 0.5}, {0.5, 1}, {0, 1}};
@@ -62,5 +62,5 @@ TEST(Bend, two_faces_of_a_hull_meet_in_a_knuckle_or_a_chine) {
   EXPECT_EQ(bend_of(1.2, 0.0, down(20), down(89), knuckles_under_water), Bend::knuckle);
 }
 
-}  // namespace
+}  // namespace polygon_test
 }  // namespace strake

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake {
-namespace {
+namespace thinning_test {
 
 constexpr double l0 = 0.01, degree = std::numbers::pi / 180;
 
@@ -138,5 +138,5 @@ TEST(Thinning, ThinPlatesAndStepsStay) {
   EXPECT_EQ(thinned(sheet, l0), sheet);  // nothing would be left
 }
 
-}  // namespace
+}  // namespace thinning_test
 }  // namespace strake

@@ -15,7 +15,7 @@
 #include <thread>
 
 namespace strake {
-namespace {
+namespace ranked_frames_test {
 
 using fluid::ThreadRanks;
 
@@ -212,5 +212,5 @@ TEST(OnAllRanks, what_one_rank_throws_all_ranks_throw) {
   EXPECT_EQ(told, 3);
 }
 
-}  // namespace
+}  // namespace ranked_frames_test
 }  // namespace strake

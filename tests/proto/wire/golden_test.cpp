@@ -12,7 +12,7 @@
 #include <sstream>
 
 namespace strake::wire {
-namespace {
+namespace golden_test {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 const std::filesystem::path folder = std::filesystem::path(STRAKE_SOURCE_DIR) / "tests" / "proto" / "golden";
@@ -221,5 +221,5 @@ TEST(GoldenMessages, AreTwentyFourFiles) {
   EXPECT_EQ(names.size(), 24u) << "a new one wants a line in the tests above";
 }
 
-}  // namespace
+}  // namespace golden_test
 }  // namespace strake::wire

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::wire {
-namespace {
+namespace wire_refusal_test {
 
 TEST(Wire, ValuesThatAreNotFiniteAreRefusedOnBothSides) {
   for (double bad : {nan, inf, -inf}) {
@@ -163,5 +163,5 @@ TEST(Wire, EveryTruncatedHeaderIsRefusedOrReadWithoutHarm) {
   }
 }
 
-}  // namespace
+}  // namespace wire_refusal_test
 }  // namespace strake::wire

@@ -5,7 +5,7 @@
 #include <cstring>
 
 namespace strake::wire {
-namespace {
+namespace wire_test {
 
 TEST(Wire, ASetupKeepsEveryBit) {
   strake::Setup setup{
@@ -181,5 +181,5 @@ TEST(Wire, MeshesThatAreNoPartsOfTheMeshAreRefused) {
 
 // A stranger's words stand in the log and on the terminal.
 
-}  // namespace
+}  // namespace wire_test
 }  // namespace strake::wire

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace strake::wire {
-namespace {
+namespace wire_values_test {
 
 Advanced with_force(Eigen::Index n) {
   Advanced answer;
@@ -83,5 +83,5 @@ TEST(WireValues, WhatCameGoesOnWithoutACopy) {
   EXPECT_EQ(on.at(1).bytes.data(), parts[1].bytes.data());
 }
 
-}  // namespace
+}  // namespace wire_values_test
 }  // namespace strake::wire

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure {
-namespace {
+namespace beam_test {
 
 // cases/VALIDATION.md, "Strips: deflection and frequencies", plane strain; printed there to 0.01 Hz.
 struct Row {
@@ -33,5 +33,5 @@ TEST(Beam, FreePlateLeavesItsRigidMotionsOut) {
   EXPECT_NEAR(beam_frequencies(plate, Material{}, BeamTheory::euler_bernoulli, 1).at(0), 698.89, 0.02);
 }
 
-}  // namespace
+}  // namespace beam_test
 }  // namespace strake::structure

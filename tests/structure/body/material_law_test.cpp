@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure {
-namespace {
+namespace material_law_test {
 
 Part part(const std::string& name, MaterialModel model) {
   Part part;
@@ -26,5 +26,5 @@ TEST(MaterialLaw, IsThatOfTheMaterialAndOfEachPartWhereTheyDiffer) {
   EXPECT_FALSE(all_linear({rib, pad}));
 }
 
-}  // namespace
+}  // namespace material_law_test
 }  // namespace strake::structure

@@ -7,7 +7,7 @@
 #include <string>
 
 namespace strake::structure {
-namespace {
+namespace mechanism_test {
 
 /// What two supports of a beam from (0, 0) to (2, 0.1) m leave; in space it reaches from z = 0 to 1.
 std::string left_by(Support left, Support right, int dimension = 2, Support back = Support::free) {
@@ -49,5 +49,5 @@ TEST(Mechanism, APartThatIsHeldLeavesNone) {
   EXPECT_EQ(motions_left(solid_of_boxes(2, {foot, beam})), "");
 }
 
-}  // namespace
+}  // namespace mechanism_test
 }  // namespace strake::structure

@@ -14,7 +14,7 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
+namespace shape_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -190,5 +190,5 @@ TEST(Triangulation, FillsAPolygonWithPointsOnLongStraightEdges) {
   EXPECT_GT(t.point.size(), p.size() + 100);
 }
 
-}  // namespace
+}  // namespace shape_test
 }  // namespace strake::structure

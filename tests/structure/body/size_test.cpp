@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure {
-namespace {
+namespace size_test {
 
 Parameters plate(int dimension) {
   Parameters p;
@@ -60,5 +60,5 @@ TEST(StructureSize, ACountBeyondAllIntegersIsANumber) {
   EXPECT_NEAR(particle_sizes(p)[0].count, 8e15, 1e9);
 }
 
-}  // namespace
+}  // namespace size_test
 }  // namespace strake::structure

@@ -14,7 +14,7 @@
 #include <cmath>
 
 namespace strake::structure {
-namespace {
+namespace body_solid_test {
 
 using Eigen::Vector3d;
 
@@ -238,5 +238,5 @@ TEST(Solid, TheShorterDirectionOfAFaceIsThatOfItsEdge) {
   }
 }
 
-}  // namespace
+}  // namespace body_solid_test
 }  // namespace strake::structure

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure {
-namespace {
+namespace surface_test {
 
 Solid solid_of(const Plate& plate) {
   Parameters p;
@@ -109,5 +109,5 @@ TEST(Rigid, MovesExactlyWithItsVelocityAndRewindsToTheBit) {
   EXPECT_NEAR(plate.energy().kinetic, 0.5 * 62.4 * 6.26 * 6.26, 1e-9);
 }
 
-}  // namespace
+}  // namespace surface_test
 }  // namespace strake::structure

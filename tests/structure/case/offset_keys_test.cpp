@@ -11,7 +11,7 @@
 #include <fstream>
 
 namespace strake::structure {
-namespace {
+namespace offset_keys_test {
 
 const std::string table = R"(# two frames
 station [m],height [m],half_breadth [m]
@@ -86,5 +86,5 @@ TEST_F(Offsets, BrokenTablesAreRefusedWithTheRow) {
   refuses("station [m],height [m]\n1,0\n", "", "no column half_breadth [m]");
 }
 
-}  // namespace
+}  // namespace offset_keys_test
 }  // namespace strake::structure

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure {
-namespace {
+namespace read_parameters_test {
 
 /// The paper's plate as a case file; `more` goes to the end.
 CaseFile plate_case(const std::vector<std::string>& sets = {}, const std::string& more = {}) {
@@ -301,5 +301,5 @@ TEST(StructureKeys, ABodyOutsideTheTankIsRefusedBeforeItIsBuilt) {
   EXPECT_NE(complaint("rigid", {"fluid.tank_polygon=[[-0.1, -1, 0], [0.1, -1, 0], [0.1, 1, 0]]"}), "");
 }
 
-}  // namespace
+}  // namespace read_parameters_test
 }  // namespace strake::structure

@@ -19,7 +19,7 @@
 #include <string>
 
 namespace strake::structure {
-namespace {
+namespace solid_keys_test {
 
 /// A case with that [structure] part; `more` goes to the end.
 CaseFile body_case(const std::string& structure, const std::vector<std::string>& sets = {},
@@ -351,5 +351,5 @@ TEST(BodyKeys, AMotionTableMustFitTheRunAndTheOtherKeys) {
           "rigid", name);
 }
 
-}  // namespace
+}  // namespace solid_keys_test
 }  // namespace strake::structure

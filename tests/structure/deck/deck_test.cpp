@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace strake::structure::deck {
-namespace {
+namespace deck_test {
 
 Parameters body(int dimension, int degree = 2) {
   std::vector<SolidBox> boxes = {soft_box("floor 1", {0, 0, 0}, {1, 0.1, 0.2}),
@@ -145,5 +145,5 @@ TEST(Deck, AMaterialThatNoDeckCanSayIsRefused) {
   EXPECT_THROW(ansys(fem::model(p, {}), std::nullopt, story), Error) << "beside a linear part";
 }
 
-}  // namespace
+}  // namespace deck_test
 }  // namespace strake::structure::deck

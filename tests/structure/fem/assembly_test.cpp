@@ -11,7 +11,7 @@
 #include <ostream>
 
 namespace strake::structure::fem {
-namespace {
+namespace assembly_test {
 
 /// Values of a smooth field of the reference position in the nodes.
 template <class Function>
@@ -271,5 +271,5 @@ TEST(Transfer, KeepsWorkTotalForceAndMoment) {
   EXPECT_NEAR(moment, wanted, 1e-12 * force.norm());
 }
 
-}  // namespace
+}  // namespace assembly_test
 }  // namespace strake::structure::fem

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace strake::structure::fem {
-namespace {
+namespace failure_test {
 
 void pull_apart(FemSolver<2>& solver, double speed) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(solver.mesh().n_unknowns()), v = u;
@@ -154,5 +154,5 @@ TEST(FemFailure, CellsTooWideForTheSofteningAreRefused) {
   }
 }
 
-}  // namespace
+}  // namespace failure_test
 }  // namespace strake::structure::fem

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace strake::structure::fem {
-namespace {
+namespace linear_solver_test {
 
 /// A slab of three dimensions that is clamped at one end and pressed from above.
 Parameters slab(LinearMethod method) {
@@ -154,5 +154,5 @@ TEST(LinearSolver, AutomaticDependsOnDimensionAndSizeAlone) {
   EXPECT_EQ(chosen(LinearMethod::direct, 3, 1000000), LinearMethod::direct);
 }
 
-}  // namespace
+}  // namespace linear_solver_test
 }  // namespace strake::structure::fem

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace strake::structure::fem {
-namespace {
+namespace newton_test {
 
 /// r(x) = −f(x) of one unknown, with the tangent f' computed when the method requests one.
 struct Scalar {
@@ -55,5 +55,5 @@ TEST(Newton, SaysThatItFailedWhereThereIsNoEquilibrium) {
   EXPECT_FALSE(solve(none.equilibrium(), from(1), 1e-10).converged);
 }
 
-}  // namespace
+}  // namespace newton_test
 }  // namespace strake::structure::fem

@@ -16,7 +16,7 @@
 #include <numbers>
 
 namespace strake::structure::fem {
-namespace {
+namespace solid_shell_test {
 
 using Eigen::Vector3d;
 using Map = std::function<Vector3d(double, double, double)>;  // of (0, 1)² × (−½, ½)
@@ -395,5 +395,5 @@ TEST(SolidShell, TheLinesSayWhatWasChosenAndNameItWherePlatesAreThin) {
   EXPECT_TRUE(says(p, advice)) << "Q2 too";
 }
 
-}  // namespace
+}  // namespace solid_shell_test
 }  // namespace strake::structure::fem

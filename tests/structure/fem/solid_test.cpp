@@ -12,7 +12,7 @@
 #include <cmath>
 
 namespace strake::structure::fem {
-namespace {
+namespace solid_test {
 
 Parameters of(int dimension, const std::vector<SolidBox>& boxes, int refinement = 1) {
   return body_of_boxes(dimension, boxes, refinement, 0.05);
@@ -263,5 +263,5 @@ TEST(FemSolid, WarpedSidesAreHeldAndLoadedAsFlatOnesAre) {
   EXPECT_NEAR(first(1e-4) / first(0), 1, 1e-3);
 }
 
-}  // namespace
+}  // namespace solid_test
 }  // namespace strake::structure::fem

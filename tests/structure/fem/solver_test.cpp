@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace strake::structure::fem {
-namespace {
+namespace solver_test {
 
 Load uniform_load(const InterfaceMesh& mesh, double time, const Eigen::Vector3d& force) {
   return Load(
@@ -231,5 +231,5 @@ TEST(FemSolver, RefusesTheCheckpointOfAnotherMesh) {
   EXPECT_THROW(make_solver(p)->read(archive), Error);
 }
 
-}  // namespace
+}  // namespace solver_test
 }  // namespace strake::structure::fem

@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace strake::structure::fem {
-namespace {
+namespace stress_test {
 
 template <int dim>
 Eigen::MatrixXd recovered(const Mesh<dim>& mesh, const Assembly<dim>& assembly, const Recovery<dim>& recovery,
@@ -169,5 +169,5 @@ TEST(FemStress, TheClampedStripHasItsBendingStressAtMidSpan) {
   }
 }
 
-}  // namespace
+}  // namespace stress_test
 }  // namespace strake::structure::fem

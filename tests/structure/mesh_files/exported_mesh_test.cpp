@@ -10,7 +10,7 @@
 // Mesh files as Gmsh and Abaqus/CAE write them.
 
 namespace strake::structure {
-namespace {
+namespace exported_mesh_test {
 
 class ExportedMesh : public testing::Test {
  protected:
@@ -95,5 +95,5 @@ TEST_F(ExportedMesh, PartsAndInstancesThatWouldMixAreRefused) {
   says("*System\n1., 0., 0.\n" + part("one", "0."), "coordinates of a system of their own");
 }
 
-}  // namespace
+}  // namespace exported_mesh_test
 }  // namespace strake::structure

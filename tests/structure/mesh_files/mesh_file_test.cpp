@@ -13,7 +13,7 @@
 #include <limits>
 
 namespace strake::structure {
-namespace {
+namespace mesh_file_test {
 
 class MeshFile : public testing::Test {
  protected:
@@ -370,5 +370,5 @@ TEST_F(MeshFile, CellsOverOneAnotherAreRefused) {
   says(complaint("t.msh", tets + "1 2 3 6\n$EndElements\n", 3), "element 3 lies over element 2");
 }
 
-}  // namespace
+}  // namespace mesh_file_test
 }  // namespace strake::structure

@@ -18,7 +18,7 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
+namespace stl_body_test {
 
 using Eigen::Vector3d;
 using Facet = std::array<Vector3d, 3>;
@@ -284,5 +284,5 @@ TEST_F(Stl, PiecesThatTouchOrLieNearAreRead) {
               8 * std::numbers::pi / 3, 0.04);
 }
 
-}  // namespace
+}  // namespace stl_body_test
 }  // namespace strake::structure

@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace strake::structure {
-namespace {
+namespace failure_test {
 
 // Two halves of a strip are drawn straight apart. Its ends are left out of the sum, so that it is periodic in
 // effect. The pair model's energy loses G_c per area as its bonds break.
@@ -188,5 +188,5 @@ TEST(Failure, FramesShowTheDamageAndLinesWhatItCannotDo) {
   EXPECT_NE(all.find("not wetted"), std::string::npos) << all;
 }
 
-}  // namespace
+}  // namespace failure_test
 }  // namespace strake::structure

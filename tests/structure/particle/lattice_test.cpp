@@ -13,7 +13,7 @@
 #include <cmath>
 
 namespace strake::structure {
-namespace {
+namespace lattice_test {
 
 using Eigen::Vector3d;
 
@@ -262,5 +262,5 @@ TEST(ParticleLattice, ASheetTooThinForItsParticlesIsAnsweredByASpacing) {
   EXPECT_NO_THROW(interpolation<2>(make_lattice<2>(sheet, 0.25 * d, reach), at));
 }
 
-}  // namespace
+}  // namespace lattice_test
 }  // namespace strake::structure

@@ -11,7 +11,7 @@
 #include <random>
 
 namespace strake::structure {
-namespace {
+namespace particle_test {
 
 Lattice<2> lattice_of(const Plate& plate, double spacing, ClampColumn clamp = ClampColumn::inside,
                       const Material& material = {}) {
@@ -309,5 +309,5 @@ TEST(PairModel, SpinLimitsTheStepOfTheDynamicRotation) {
   EXPECT_GT(dynamic, 0.6 * spin);
 }
 
-}  // namespace
+}  // namespace particle_test
 }  // namespace strake::structure

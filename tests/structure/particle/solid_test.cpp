@@ -12,7 +12,7 @@
 #include <random>
 
 namespace strake::structure {
-namespace {
+namespace particle_solid_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -207,5 +207,5 @@ TEST(ParticleSolid, AClampedBarAndItsFreeFrameKeepTheirMomentum) {
   EXPECT_LT((solver.momentum() - expected).norm(), 1e-12 * expected.norm());
 }
 
-}  // namespace
+}  // namespace particle_solid_test
 }  // namespace strake::structure

@@ -10,7 +10,7 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
+namespace solver_test {
 
 /// An upward force on the lower face of the surface mesh, uneven along the plate.
 Load push(const InterfaceMesh& mesh, double size) {
@@ -300,5 +300,5 @@ TEST(ParticleSolver, DynamicRotationVibratesAndRestartsAsTheKinematicOneDoes) {
   EXPECT_EQ(dynamic.displacement(), again.displacement());
 }
 
-}  // namespace
+}  // namespace solver_test
 }  // namespace strake::structure

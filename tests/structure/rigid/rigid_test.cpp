@@ -10,7 +10,7 @@
 #include <numbers>
 
 namespace strake::structure {
-namespace {
+namespace rigid_test {
 
 using Eigen::Vector3d;
 
@@ -286,5 +286,5 @@ TEST(Rigid, SaysTheSpeedOfItsTable) {
       << Rigid(p).lines().at(0);
 }
 
-}  // namespace
+}  // namespace rigid_test
 }  // namespace strake::structure

@@ -8,7 +8,7 @@
 #include <algorithm>
 
 namespace strake::structure {
-namespace {
+namespace sketch_test {
 
 /// A floor and a post on it, the floor's left end clamped.
 Parameters floor_and_post() {
@@ -54,5 +54,5 @@ TEST(Properties, OfABodyOfPartsAreThoseOfItsMass) {
   EXPECT_EQ(properties_line("none", {}), "");
 }
 
-}  // namespace
+}  // namespace sketch_test
 }  // namespace strake::structure

@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace strake {
-namespace {
+namespace fmu_attachment_test {
 
 using Eigen::MatrixXd;
 
@@ -266,5 +266,5 @@ TEST(FmuAttachment, GoesOnAfterAWarning) {
   EXPECT_EQ(log.find("the spring is stretched", first + 1), std::string::npos) << log;
 }
 
-}  // namespace
+}  // namespace fmu_attachment_test
 }  // namespace strake

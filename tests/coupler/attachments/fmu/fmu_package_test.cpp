@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 namespace strake {
-namespace {
+namespace fmu_package_test {
 
 /// A zip archive with one entry beside a description.
 std::filesystem::path archive_with(const ScratchFolder& scratch, const std::string& name,
@@ -146,5 +146,5 @@ TEST(FmuPackage, RefusesAnArchiveWithoutDescription) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace fmu_package_test
 }  // namespace strake

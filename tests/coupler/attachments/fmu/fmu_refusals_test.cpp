@@ -1,7 +1,7 @@
 #include "tests/coupler/attachments/fmu/fmu_case.hpp"
 
 namespace strake {
-namespace {
+namespace fmu_refusals_test {
 
 /// What is refused when the attachment is built, and a part of the message.
 struct Refusal {
@@ -207,5 +207,5 @@ TEST(FmuRefusals, WindowsThatAFixedStepCannotTake) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace fmu_refusals_test
 }  // namespace strake
