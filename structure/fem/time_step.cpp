@@ -144,9 +144,18 @@ NewtonResult FemSolver<dim>::solve_step(const GivenStep& step, Eigen::VectorXd s
     correction = support_motion_.correction(factors_.fresh, kappa);
     return true;
   };
-  turn_held(step.told, start);
-  const NewtonResult result = solve(equilibrium, std::move(start), parameters_.fem.tolerance);
+  const auto solve_from = [&](Eigen::VectorXd u) {
+    turn_held(step.told, u);
+    return solve(equilibrium, std::move(u), parameters_.fem.tolerance);
+  };
+  NewtonResult result = solve_from(std::move(start));
   newton_iterations_ = result.iterations;
+  // A part of a body that moves by more than a cell in a step tears its cells along, if it goes on as it was.
+  // No line search leads back from there; from the displacement before the step there is a way.
+  if (!result.converged && equilibrium.refresh(old.displacement)) {
+    result = solve_from(old.displacement);
+    newton_iterations_ += result.iterations;
+  }
   if (!result.converged)
     throw failed(old.time, fmt::format("Newton's method did not converge: {} iterations, residual {:.2e} N, "
                                        "wanted {:.2e} N",
