@@ -1,15 +1,15 @@
 #pragma once
 
 #include "fluid/mps/pressure_equation.hpp"
+#include "tests/algebra/factors.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
 #include <vector>
 
 namespace strake::fluid {
 
-/// The solution of the pressure equation by L D Lᵀ.
+/// The solution of the pressure equation by its factors.
 inline Eigen::VectorXd direct_pressure(const PressureSystem& system) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::int64_t k = 0; k < system.size(); ++k) {
@@ -21,8 +21,8 @@ inline Eigen::VectorXd direct_pressure(const PressureSystem& system) {
   }
   Eigen::SparseMatrix<double> matrix(system.size(), system.size());
   matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(matrix);
-  EXPECT_EQ(factors.info(), Eigen::Success);
+  SparseFactors factors;
+  EXPECT_TRUE(factors.compute(matrix));
   return factors.solve(system.right);
 }
 

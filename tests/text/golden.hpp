@@ -1,57 +1,30 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <fstream>
-#include <map>
-#include <regex>
-#include <sstream>
+#include <cstddef>
 #include <string>
+
+// Compiled once for all tests, which spares them the templates of <regex>.
 
 namespace strake {
 
 /// A text as it is stored: without what differs from one run to the next.
-inline std::string without_chance(std::string text, const std::string& folder = {}) {
-  if (!folder.empty())
-    for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder, at))
-      text.replace(at, folder.size(), "FOLDER");
-  text = std::regex_replace(text, std::regex("process [0-9]+"), "process PID");
-  text = std::regex_replace(text, std::regex("\\[20[0-9]{2}-[0-9-]+ [0-9:.]+\\]"), "[TIME]");
-  text = std::regex_replace(text, std::regex("the machine [^ \n]+"), "the machine HOST");
-  return std::regex_replace(text, std::regex("(for|after) [0-9.e+-]+ s"), "$1 N s");
-}
+std::string without_chance(std::string text, const std::string& folder = {});
 
 /// Compares a text with the block of that name in tests/text/FILE, whole. STRAKE_WRITE_TEXTS=1 writes the
 /// block anew: read the difference before keeping it. Blocks are `==== name` and the text below.
-inline void expect_stored(const std::string& file, const std::string& name, const std::string& text) {
-  const std::string path = std::string(STRAKE_SOURCE_DIR) + "/tests/text/" + file;
-  std::map<std::string, std::string> block;
-  std::string head, *part = &head;
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("==== "))
-      part = &block[line.substr(5)];
-    else
-      *part += line + "\n";
-  }
-  const bool ends = text.ends_with('\n');
-  const std::string whole = ends ? text : text + "\n";
-  if (std::getenv("STRAKE_WRITE_TEXTS")) {
-    block[name] = whole;
-    std::ofstream out(path);
-    out << head;
-    for (const auto& [title, stored] : block) out << "==== " << title << "\n" << stored;
-    return;
-  }
-  EXPECT_EQ(block.contains(name) ? block[name] : "no such text", whole)
-      << "tests/text/" << file << ", " << name;
-}
+void expect_stored(const std::string& file, const std::string& name, const std::string& text);
 
 /// The name of the test that is under way.
-inline std::string this_test() {
-  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  return std::string(info->test_suite_name()) + "." + info->name();
-}
+std::string this_test();
+
+/// Whether the whole of a text is as the expression says.
+bool matches(const std::string& text, const std::string& expression);
+/// What the expression's first brackets hold where it is found first, and the length of all that it found;
+/// empty and 0 where it is not found.
+struct Found {
+  std::string in_brackets;
+  std::size_t length = 0;
+};
+Found find_expression(const std::string& text, const std::string& expression);
 
 }  // namespace strake

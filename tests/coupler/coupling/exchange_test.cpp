@@ -2,9 +2,10 @@
 
 #include "coupler/coupling/scheme.hpp"
 #include "proto/error.hpp"
+#include "tests/algebra/factors.hpp"
 #include "tests/method/coupling/coupling_models.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -57,7 +58,7 @@ struct Tube {
   Linear fluid{"fluid", "area", "pressure", "Pa", f, VectorXd::LinSpaced(n, 1e4, 3e4)};
   Linear wall{"structure", "pressure", "area", "m^2", s, VectorXd::Constant(n, 1)};
   VectorXd area() const {
-    return (MatrixXd::Identity(n, n) - s * f).lu().solve(s * fluid.constant + wall.constant);
+    return solution_of(MatrixXd::Identity(n, n) - s * f, s * fluid.constant + wall.constant);
   }
   Scheme scheme(const SchemeParameters& parameters) {
     const Mapping there = nearest_neighbour(wall.mesh(), fluid.mesh());

@@ -2,8 +2,7 @@
 
 #include "fluid/ranks/shared_grid.hpp"
 #include "proto/ranks/communicator.hpp"
-
-#include <Eigen/SparseCholesky>
+#include "tests/algebra/factors.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -42,7 +41,7 @@ class ExactGrid final : public SharedGrid {
         Eigen::SparseMatrix<double>(matrix - Eigen::SparseMatrix<double>(matrix.transpose())).norm() /
             matrix.norm());
     for (Eigen::Index i = 0; i < size_; ++i) matrix.coeffRef(i, i) *= 1 + 1e-6;
-    factor_.compute(matrix);
+    factors_.compute(matrix);
   }
 
   void solve(std::span<const float> right, std::span<float> solution) override {
@@ -50,7 +49,7 @@ class ExactGrid final : public SharedGrid {
     Eigen::Index at = 0;
     for (const Bytes& bytes : ranks_.gather(std::as_bytes(right)))
       for (const float value : values_of<float>(bytes)) all[at++] = value;
-    const Eigen::VectorXd x = factor_.solve(all);
+    const Eigen::VectorXd x = factors_.solve(all);
     for (std::size_t k = 0; k < solution.size(); ++k)
       solution[k] = static_cast<float>(x[first_ + static_cast<Eigen::Index>(k)]);
   }
@@ -61,7 +60,7 @@ class ExactGrid final : public SharedGrid {
   Communicator& ranks_;
   std::int64_t first_ = 0, own_ = 0;
   Eigen::Index size_ = 0;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  SparseFactors factors_;
 };
 
 }  // namespace strake::fluid

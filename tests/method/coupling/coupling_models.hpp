@@ -1,8 +1,8 @@
 #pragma once
 
 #include "proto/participant.hpp"
+#include "tests/algebra/factors.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include <string>
@@ -112,12 +112,12 @@ class Oscillators : public Model<Motions> {
     if (rule_ == Rule::trapezoidal) {
       // Mean force over the window: M (v' − v)/dt + K (x + x')/2 = f, v' = 2(x' − x)/dt − v
       const Eigen::MatrixXd left = mass_ * (2 / (dt * dt)) + 0.5 * stiffness_;
-      x = now_.x + left.llt().solve(force + mass_ * (2 / dt) * now_.v - stiffness_ * now_.x);
+      x = now_.x + solution_of(left, force + mass_ * (2 / dt) * now_.v - stiffness_ * now_.x);
       now_.v = 2 * (x - now_.x) / dt - now_.v;
     } else {
       // M (x' − x − dt v)/dt² + K x' = f
       const Eigen::MatrixXd left = mass_ / (dt * dt) + stiffness_;
-      x = left.llt().solve(force + mass_ * (now_.x + dt * now_.v) / (dt * dt));
+      x = solution_of(left, force + mass_ * (now_.x + dt * now_.v) / (dt * dt));
       now_.v = (x - now_.x) / dt;
     }
     now_.x = x;

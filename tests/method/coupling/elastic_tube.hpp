@@ -1,8 +1,7 @@
 #pragma once
 
+#include "tests/algebra/factors.hpp"
 #include "tests/method/coupling/coupling_models.hpp"
-
-#include <Eigen/SparseLU>
 
 #include <cmath>
 #include <vector>
@@ -45,15 +44,11 @@ class TubeStep {
     double shortest = INFINITY;
     for (int newton = 0; newton < 50; ++newton) {
       linearise(before, now, end_time);
-      if (newton == 0 && !analysed_) solver_.analyzePattern(jacobian_);
-      analysed_ = true;
-      solver_.factorize(jacobian_);
-      if (solver_.info() !=
-          Eigen::Success) {  // an area without a flow: the coupling names what is not finite
+      if (!factors_.compute(jacobian_)) {  // an area without a flow: the coupling names what is not finite
         now.pressure.setConstant(NAN);
         break;
       }
-      const Eigen::VectorXd change = solver_.solve(residual_);
+      const Eigen::VectorXd change = factors_.solve(residual_);
       for (int i = 0; i < Tube::nodes; ++i) {
         now.velocity[i] -= change[2 * i];
         now.pressure[i] -= change[2 * i + 1];
@@ -113,8 +108,7 @@ class TubeStep {
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> jacobian_;
   Eigen::VectorXd residual_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> solver_;
-  bool analysed_ = false;
+  SparseFactors factors_;
 };
 
 inline InterfaceMesh tube_mesh(const std::string& name) {

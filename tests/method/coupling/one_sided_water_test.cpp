@@ -1,4 +1,5 @@
 #include "coupler/coupling/scheme.hpp"
+#include "tests/algebra/factors.hpp"
 #include "tests/method/coupling/coupling_models.hpp"
 
 #include <fmt/core.h>
@@ -36,7 +37,7 @@ class OneSidedWater final : public models::Model<Touch> {
     now_.face = 2 / w.dt * (x - now_.place) - now_.face;
     now_.place = x;
     const VectorXd force = (mass_ * (now_.water - now_.face) / w.dt).cwiseMax(0.0);
-    now_.water -= w.dt * mass_.llt().solve(force);
+    now_.water -= w.dt * solution_of(mass_, force);
     Advanced advanced;
     advanced.output = {models::y_field("force", "N", force)};
     return advanced;
