@@ -102,14 +102,18 @@ TEST(IqnIls, KeepsItsColumnsOverWindowsThatConvergeAtOnce) {
 TEST(IqnIls, LeavesOutColumnsThatBringNothingNew) {
   const auto accelerator = make_accelerator({"iqn-ils", 0.1, 8, 1e-3});
   const Linear h = random_linear(3, 2, 5);
+  int dropped = 0;
   for (int window = 0; window < 6; ++window) {
     accelerator->start_window();
     VectorXd x = VectorXd::Random(3);
-    for (int k = 0; k < 3; ++k) x = accelerator->next(x, h(x));
+    for (int k = 0; k < 3; ++k) {
+      x = accelerator->next(x, h(x));
+      dropped += accelerator->last_step().dropped;
+    }
     EXPECT_TRUE(x.allFinite());
+    EXPECT_LE(accelerator->last_step().columns, 3);
   }
-  EXPECT_LE(accelerator->last_step().columns, 3);
-  EXPECT_GT(accelerator->last_step().dropped, 0);
+  EXPECT_GT(dropped, 0) << "of two new columns in each window, where three are all that there can be";
 }
 
 TEST(Aitken, SolvesAScalarLinearProblemInThreeIterations) {
