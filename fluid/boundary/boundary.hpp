@@ -104,6 +104,14 @@ class Boundary {
   /// Whether a pair counts. around: one of water that a corner comes between counts while the way around the
   /// corner is within reach.
   bool keep(const State<dim>&, std::int32_t i, std::int32_t j, bool around = false) const;
+  /// Whether x is within `distance` of the box around the bodies.
+  bool near_bodies(const Vector<dim>& x, double distance) const {
+    const Vector<dim> low = body_surface_.low().array() - distance,
+                      high = body_surface_.high().array() + distance;
+    return any_image(x, [&](const Vector<dim>& y) {
+      return (y.array() >= low.array()).all() && (y.array() <= high.array()).all();
+    });
+  }
   /// Whether particle i is within a pair's reach of a body's corner; in space of a keel or a blunt edge.
   bool beside_corner(const State<dim>& state, std::int64_t i) const {
     return any_image(state.position.col(i),

@@ -316,9 +316,7 @@ void BodySurface2d::place_chines() {
   }
 }
 
-bool BodySurface2d::beside_corner(const Vector2& x, double distance) const {
-  if ((x.array() < whole_.low.array() - distance).any() || (x.array() > whole_.high.array() + distance).any())
-    return false;
+bool BodySurface2d::is_near_corner(const Vector2& x, double distance) const {
   return std::ranges::any_of(edges_, [&](const Edge& edge) {
     const auto is_near = [&](int k) {
       return (vertex_.col(edge.vertex + k) - x).squaredNorm() < distance * distance;
@@ -341,7 +339,7 @@ BodySurface2d::End BodySurface2d::end_of(int edge, bool last, const Vector2& x) 
 }
 
 bool BodySurface2d::inside(const Vector2& x) const {
-  if ((x.array() < whole_.low.array()).any() || (x.array() > whole_.high.array()).any()) return false;
+  if (!whole_.covers(x, 0)) return false;
   bool odd = false;
   for (const Edge& edge : edges_)
     for (int i = 0; i < edge.count; ++i)

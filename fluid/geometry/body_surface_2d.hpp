@@ -82,7 +82,9 @@ class BodySurface2d {
   /// edges that the segment crosses, or around knuckles of one. Across others there is none: infinity.
   double way_around(const Vector2& a, const Vector2& b) const;
   /// Whether x lies within that distance of a corner or a knuckle.
-  bool beside_corner(const Vector2& x, double distance) const;
+  bool beside_corner(const Vector2& x, double distance) const {
+    return whole_.covers(x, distance) && is_near_corner(x, distance);
+  }
   bool inside(const Vector2& x) const;
   /// Returns the distance of x from the nearer end of that edge, along its first and last piece [m]. It is
   /// negative past an end, and infinite where no end is within four spacings: a bent edge may turn back.
@@ -139,12 +141,16 @@ class BodySurface2d {
   };
   struct Box {
     Vector2 low = Vector2::Zero(), high = Vector2::Zero();
+    bool covers(const Vector2& x, double farther) const {
+      return (x.array() >= low.array() - farther).all() && (x.array() <= high.array() + farther).all();
+    }
     bool meets(const Box& other) const {
       return (low.array() <= other.high.array()).all() && (high.array() >= other.low.array()).all();
     }
   };
   /// Which corners count: those that the edge owns, all but the tips (see `separates`), or all.
   enum class Corners : std::uint8_t { owned, without_tips, all };
+  bool is_near_corner(const Vector2& x, double distance) const;
   bool crosses_edge(int edge, const Vector2& a, const Vector2& b, Corners, int before = -1) const;
   void add_edges(const Outline&);
   void add_pieces(const Outline&, std::size_t begin, std::size_t end, Edge&);

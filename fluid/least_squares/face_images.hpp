@@ -26,8 +26,9 @@ struct FaceImages {
   };
   std::vector<std::array<Face, dim>> faces;  // of each water particle
   std::vector<std::uint8_t> count;           // how many of them
-  std::vector<std::uint8_t> at_edge;  // whether it is in the last column before a face's free end (F84)
-  std::vector<std::int64_t> first;    // of each water particle's pairs, and their number
+  std::vector<std::uint8_t> at_edge;      // whether it is in the last column before a face's free end (F84)
+  std::vector<std::int64_t> particles;    // those that have a face, ascending
+  std::vector<std::int64_t> first, last;  // of the pairs of each of those, by water particle: [first, last)
   std::vector<Pair> pairs;
   bool any = false;
   double factor = 1;  // f

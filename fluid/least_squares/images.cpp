@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 // Pairs of water that are mirrored in a face (F72). A layer particle stands for p_i + q_ij, so it carries no
 // change of pressure along the face. A mirrored neighbour k does: seen across the face it is
@@ -43,15 +42,17 @@ void LeastSquaresScheme<dim>::find_images(const Boundary<dim>& boundary, const S
   int point = 0;
   while (point < boundary.body_surface().points() && !boundary.is_between_sharp_corners(point)) ++point;
   if (point == boundary.body_surface().points()) return;
-  bool any = false;
   images_.faces.resize(static_cast<std::size_t>(water));
-#pragma omp parallel for schedule(static) reduction(|| : any)
-  for (std::int64_t i = 0; i < water; ++i) {
-    if (!ranks_.owns(i)) continue;
-    find_image_faces(boundary, state, far, i);
-    any = any || images_.count[static_cast<std::size_t>(i)] > 0;
-  }
-  images_.any = ranks_.any(any);
+  // A first layer stands up to l0 behind its face, and may so reach out of a thin body.
+  const double reach = laplacian_.radius + 2 * p_.spacing;
+#pragma omp parallel for schedule(static)
+  for (std::int64_t i = 0; i < water; ++i)
+    if (ranks_.owns(i) && boundary.near_bodies(state.position.col(i), reach))
+      find_image_faces(boundary, state, far, i);
+  images_.particles.clear();
+  for (std::int64_t i = 0; i < water; ++i)
+    if (images_.count[static_cast<std::size_t>(i)] > 0) images_.particles.push_back(i);
+  images_.any = ranks_.any(!images_.particles.empty());
   if (images_.any) share_image_faces(boundary);
 }
 
@@ -128,15 +129,18 @@ void LeastSquaresScheme<dim>::find_image_velocities(const Boundary<dim>& boundar
                                                     const Vector<dim>& steady, double dt) {
   if (!images_.any) return;
   const double reach = p_.sound_speed * std::sqrt(dt * now_.projection);
+  const auto listed = std::ssize(images_.particles);
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < boundary.water(); ++i)
-    for (std::uint8_t f = 0; ranks_.owns(i) && f < images_.count[static_cast<std::size_t>(i)]; ++f) {
+  for (std::int64_t e = 0; e < listed; ++e) {
+    const std::int64_t i = images_.particles[static_cast<std::size_t>(e)];
+    for (std::uint8_t f = 0; f < images_.count[static_cast<std::size_t>(i)]; ++f) {
       auto& face = images_.faces[static_cast<std::size_t>(i)][f];
       const Vector<dim> n = walls_.normal(face.layer);
       const double always = steady.dot(n), reached = std::exp(-face.height / reach);
       face.normal_velocity =
           always + reached * (relative_wall_velocity(boundary, state, i, face.layer).dot(n) - always);
     }
+  }
   update_image_velocities();
 }
 
@@ -166,7 +170,6 @@ void LeastSquaresScheme<dim>::for_each_mirrored(const Boundary<dim>& boundary, c
                                                 const Neighbours& far, std::int64_t i,
                                                 const Visit& visit) const {
   const auto own = static_cast<std::size_t>(i);
-  if (images_.count[own] == 0 || !ranks_.owns(i)) return;
   const LeastSquaresConstants& tuned = least_squares_constants();
   const double reach = laplacian_.radius, row = tuned.first_row * p_.spacing;
   const auto columns = far.row(i);
@@ -195,21 +198,28 @@ void LeastSquaresScheme<dim>::for_each_mirrored(const Boundary<dim>& boundary, c
   }
 }
 
-/// Lists the mirrored pairs of all particles, row by row.
+/// Lists the mirrored pairs of all particles that have faces, row by row.
 template <int dim>
 void LeastSquaresScheme<dim>::pair_images(const Boundary<dim>& boundary, const State<dim>& state,
                                           const Neighbours& far) {
-  const std::int64_t water = boundary.water();
-  images_.first.assign(static_cast<std::size_t>(water) + 1, 0);
+  images_.first.resize(static_cast<std::size_t>(boundary.water()));
+  images_.last.resize(images_.first.size());
+  const auto listed = std::ssize(images_.particles);
+  std::vector<std::int64_t> pairs(images_.particles.size());
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i)
-    for_each_mirrored(boundary, state, far, i, [&](const typename Images::Pair&) {
-      ++images_.first[static_cast<std::size_t>(i) + 1];
-    });
-  std::partial_sum(images_.first.begin(), images_.first.end(), images_.first.begin());
-  images_.pairs.resize(static_cast<std::size_t>(images_.first.back()));
+  for (std::int64_t e = 0; e < listed; ++e)
+    for_each_mirrored(boundary, state, far, images_.particles[static_cast<std::size_t>(e)],
+                      [&](const typename Images::Pair&) { ++pairs[static_cast<std::size_t>(e)]; });
+  std::int64_t all = 0;
+  for (std::size_t e = 0; e < pairs.size(); ++e) {
+    const auto i = static_cast<std::size_t>(images_.particles[e]);
+    images_.first[i] = all;
+    images_.last[i] = all += pairs[e];
+  }
+  images_.pairs.resize(static_cast<std::size_t>(all));
 #pragma omp parallel for schedule(static)
-  for (std::int64_t i = 0; i < water; ++i) {
+  for (std::int64_t e = 0; e < listed; ++e) {
+    const std::int64_t i = images_.particles[static_cast<std::size_t>(e)];
     auto next = static_cast<std::size_t>(images_.first[static_cast<std::size_t>(i)]);
     for_each_mirrored(boundary, state, far, i,
                       [&](const typename Images::Pair& pair) { images_.pairs[next++] = pair; });

@@ -92,9 +92,9 @@ void LeastSquaresScheme<dim>::measure(const Boundary<dim>& boundary, State<dim>&
   if (images_.any) {
     ranks_.update(surface_.normal, Rings::first);
     pair_images(boundary, state, far);
+    const auto listed = std::ssize(images_.particles);
 #pragma omp parallel for schedule(static)
-    for (std::int64_t i = 0; i < water; ++i)
-      if (ranks_.owns(i)) add_images(far, i);
+    for (std::int64_t e = 0; e < listed; ++e) add_images(far, images_.particles[static_cast<std::size_t>(e)]);
   }
   // Water that comes under the surface is no film at once (F69).
   if (p_.submerged) film_.share.array() *= surface_.share.array();
