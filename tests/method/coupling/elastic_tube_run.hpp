@@ -13,12 +13,12 @@ struct TubeRun {
   double area[3] = {}, pressure[3] = {};  // at x = 5 m after 0.24, 0.50 and 1.00 s
 };
 
-/// 100 windows, converged when both fields change by no more than 1e-5 of their own norm in an iteration.
+/// 100 windows, converged when both fields change by no more than `limit` of their own norm in an iteration.
 inline TubeRun run_tube(Participant& fluid, Participant& wall, const AcceleratorParameters& accelerator,
-                        Predictor predictor, bool parallel, int most) {
+                        Predictor predictor, bool parallel, int most, double limit = 1e-5) {
   SchemeParameters parameters;
   parameters.parallel = parallel;
-  parameters.convergence = {1e-5, 0, Measure::value, 1, most, Unconverged::accept};
+  parameters.convergence = {limit, 0, Measure::value, 1, most, Unconverged::accept};
   parameters.predictor = predictor;
   parameters.accelerator = accelerator;
   Scheme scheme(fluid, wall,

@@ -9,10 +9,11 @@ namespace elastic_tube_test {
 using models::quasi_newton;
 using models::TubeRun;
 
-TubeRun run_tube(const AcceleratorParameters& accelerator, Predictor predictor, bool parallel, int most) {
+TubeRun run_tube(const AcceleratorParameters& accelerator, Predictor predictor, bool parallel, int most,
+                 double limit = 1e-5) {
   models::TubeFluid fluid;
   models::TubeWall wall;
-  return models::run_tube(fluid, wall, accelerator, predictor, parallel, most);
+  return models::run_tube(fluid, wall, accelerator, predictor, parallel, most, limit);
 }
 
 // The solution of the discrete equations at windows converged to 1e-10. Rounded to six digits it is what is
@@ -58,15 +59,18 @@ TEST(ElasticTube, ConvergesInFewIterations) {
 }
 
 // Aitken has one factor for all wave lengths. The same work in preCICE takes 63 to 75 iterations, with 2 to 8
-// windows that do not converge. An iteration is short here: of 13 initial factors from 0.01 to 0.5 the
-// windows left 6 to 19 `times` what they are converged to.
+// windows that do not converge. An iteration is short here: with 13 initial factors from 0.01 to 0.5 the
+// windows left 6 to 19 times what they were converged to. So the solution is asked of windows converged to a
+// tenth of that.
 TEST(ElasticTube, ConvergesWithAitkenFromAnyInitialRelaxation) {
   for (const double relaxation : {0.5, 0.01}) {
     const TubeRun run = run_tube({"aitken", relaxation, 0, 0}, Predictor::quadratic, false, 200);
     fmt::print("aitken {:4}, quadratic guess {:19.2f} {:11}\n", relaxation, run.iterations, run.unconverged);
     EXPECT_LE(run.iterations, 62.7);
     EXPECT_EQ(run.unconverged, 0);
-    expect_solution(run, 25);
+    const TubeRun closer = run_tube({"aitken", relaxation, 0, 0}, Predictor::quadratic, false, 200, 1e-6);
+    EXPECT_EQ(closer.unconverged, 0);
+    expect_solution(closer, 5);
   }
 }
 
